@@ -16,7 +16,8 @@ PUBLIC = re.compile(r"public\s*::\s*(.*)", re.I)
 BINDING = re.compile(r"procedure\s*(?:\((\w+)\))?\s*((?:,[^:]*)?)(?:::)?\s*(.*)", re.I)
 SPECIFIC = re.compile(r"(?:module\s+)?procedure\s*(?:::)?(.*)", re.I)
 GENERIC = re.compile(r"interface\s+(\w+)", re.I)
-DECLARATION = re.compile(r"(?!type\b|public\b|private\b|procedure\b)[^:]*::", re.I)
+NO_DATA = r"type\s*[,:\w]|public\b|private\b|procedure\b"
+DECLARATION = re.compile(rf"(?!{NO_DATA})(?:\([^()]*\)|[^:()])*::", re.I)
 
 
 class Statement(NamedTuple):
@@ -80,7 +81,7 @@ def match_procedure(code: str) -> re.Match[str] | None:
 
 def names_in(text: str) -> list[str]:
     """The names in a list such as `a, b(3), c => null()`, in lower case."""
-    while "(" in text and (shorter := re.sub(r"\([^()]*\)", "", text)) != text:
+    while (shorter := re.sub(r"\([^()]*\)|\[[^][]*\]", "", text)) != text:
         text = shorter
     return [name.split("=")[0].strip().lower() for name in text.split(",") if name.strip()]
 
@@ -153,6 +154,18 @@ class Source:
                 for name in names_in(code.split("::", 1)[1]):
                     if name in self.public:
                         yield Item(name, index)
+
+    def components(self, types: set[str]) -> Iterator[Item]:
+        """The components of types, but for private ones."""
+        is_open = False
+        for index, (_, code, _) in enumerate(self.statements):
+            kind, _, names = code.partition("::")
+            if found := TYPE.match(code):
+                is_open = found[2].lower() in types
+            elif re.match(r"(contains|private|end\s+type)\b", code, re.I):
+                is_open = False
+            elif is_open and names and "private" not in kind.lower():
+                yield from (Item(name, index) for name in names_in(names))
 
     def undocumented_items(self) -> Iterator[str]:
         """Public items without a docstring, each with its line."""

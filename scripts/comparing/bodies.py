@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from comparing.problem import Problem, angle_between, as_list
-from comparing.program import RunError, processors, run_sweep
+from program import ProgramError, processors, run_sweep
 
 CASES = 10000
 INERTIA = (0.875, 0.7, 0.25)
@@ -81,7 +81,7 @@ def run(
         rows = csv.DictReader(line for line in file if not line.startswith("#"))
         ends = [quaternion_of(*(float(row[name]) for name in ANGLES)) for row in rows]
     if not all(math.isfinite(part) for q in ends for part in q):
-        raise RunError(f"{scene}: some bodies have no end")
+        raise ProgramError(f"{scene}: some bodies have no end")
     return ends, seconds
 
 

@@ -1,7 +1,6 @@
-"""Programs in C and C++: made when they are wanted, they answer in one line of JSON."""
+"""Programs in C and C++: made when they are wanted, they read and write numbers."""
 
 import array
-import json
 import os
 import subprocess
 import tempfile
@@ -17,7 +16,7 @@ FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math", "-fope
 FOLDER = tempfile.TemporaryDirectory(prefix="spintop-compare-")
 
 
-def run(command: list[object], text: bytes = b"") -> str:
+def run(command: list[object], text: bytes = b"") -> bytes:
     """What a command prints, on one thread; an OSError says what it complains of."""
     environment = os.environ | {"LC_ALL": "C", "OMP_NUM_THREADS": "1"}
     result = subprocess.run(list(map(str, command)), input=text, capture_output=True, check=False,
@@ -25,18 +24,18 @@ def run(command: list[object], text: bytes = b"") -> str:
     if result.returncode:
         reason = result.stderr.decode(errors="replace").strip()
         raise OSError(reason or f"{command[0]} ended with {result.returncode}")
-    return result.stdout.decode().strip()
+    return result.stdout
 
 
 def version_of(compiler: str) -> str:
     """The compiler and its flags."""
-    return f"{run([compiler, '--version']).splitlines()[0]} {' '.join(FLAGS)}"
+    return f"{run([compiler, '--version']).decode().splitlines()[0]} {' '.join(FLAGS)}"
 
 
 def define(compiler: str, header: str, name: str) -> str:
     """The value of a macro; an OSError where there is no such header."""
     text = f"#include <{header}>\n{name}\n".encode()
-    return run([compiler, "-E", "-P", "-xc", "-"], text).splitlines()[-1].strip('"')
+    return run([compiler, "-E", "-P", "-xc", "-"], text).decode().split()[-1].strip('"')
 
 
 def make(compiler: str, source: str, flags: Iterable[str] = ()) -> Path:
@@ -55,13 +54,14 @@ def ask(
 ) -> Answer:  # fmt: skip
     """Have a program solve problems with the same end; every so many of the ends are wanted.
 
-    It reads constants and states as doubles, and prints the states, the time and counts.
+    It reads constants and states as doubles, and writes the states, the time and counts so.
     """
     form, numbers = EQUATIONS[formulation], array.array("d")
     for problem in problems:
         for part in form.start(problem):
             numbers.extend(part)
     words = [program, formulation, method, setting, problems[0].t_end, len(problems), every]
-    found = json.loads(run(words, numbers.tobytes()))
-    ends = zip(problems[::every], found.pop("states"), strict=True)
-    return Answer([form.attitude(problem, state) for problem, state in ends], **found)
+    *ends, time_s, steps, rejected, evaluations = array.array("d", run(words, numbers.tobytes()))
+    states = zip(*[iter(ends)] * len(form.states), strict=True)
+    ends = [form.attitude(*end) for end in zip(problems[::every], states, strict=True)]
+    return Answer(ends, time_s, steps, rejected, evaluations)

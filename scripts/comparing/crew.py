@@ -1,8 +1,7 @@
 """Programs at work: each in a process of its own, which may crash or hang without harm."""
 
-import json
+import contextlib
 import os
-import select
 import shutil
 import signal
 import subprocess
@@ -10,13 +9,14 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+from multiprocessing import Pipe
 from pathlib import Path
 
 from comparing import Program
 from comparing.equations import EQUATIONS
 from comparing.problem import Problem
-from comparing.program import ROOT
+from program import ROOT
 
 WORKER = Path(__file__).resolve().parent / "worker.py"
 VENV = ROOT / "build/compare/venv"
@@ -49,49 +49,42 @@ class Worker:
     def start(self) -> None:
         """Start the process, and have it say what it is."""
         python = VENV / "bin/python"
+        self.pipe, theirs = Pipe()
+        end = theirs.fileno()
         self.process = subprocess.Popen(
-            [str(python if python.exists() else sys.executable), str(WORKER), self.program.module],
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.DEVNULL,
-            cwd=self.folder.name,
+            [python if python.exists() else sys.executable, WORKER, self.program.module, str(end)],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
             env=os.environ | {"TMPDIR": self.folder.name, "OMP_NUM_THREADS": "1"},
-            start_new_session=True,
-        )
+            cwd=self.folder.name, pass_fds=[end], start_new_session=True,
+        )  # fmt: skip
+        theirs.close()
         self.about = self.hear(START_UP)
 
     def hear(self, seconds: float) -> dict:
         """The next answer, unless it takes longer than so many seconds."""
-        end, line = time.monotonic() + seconds, b""
-        while not line.endswith(b"\n"):
-            left = end - time.monotonic()
-            if left <= 0 or not select.select([self.process.stdout], [], [], left)[0]:
-                self.stop()
-                raise LostError("out_of_time")
-            part = os.read(self.process.stdout.fileno(), 65536)
-            if not part:
-                self.stop()
-                raise LostError("crashed")
-            line += part
-        return json.loads(line)
+        how = "out_of_time"
+        try:
+            if self.pipe.poll(seconds):
+                return self.pipe.recv()
+        except (EOFError, OSError):
+            how = "crashed"
+        self.stop()
+        raise LostError(how)
 
     def ask(self, question: dict, seconds: float) -> dict:
         """The answer to a question."""
         if self.process is None:
             self.start()
-        try:
-            self.process.stdin.write(json.dumps(question).encode() + b"\n")
-            self.process.stdin.flush()
-        except BrokenPipeError as error:
-            self.stop()
-            raise LostError("crashed") from error
+        with contextlib.suppress(OSError):  # it crashed, which is heard
+            self.pipe.send(question)
         return self.hear(seconds)
 
     def stop(self) -> None:
         """End the process and all that it started."""
         if self.process is not None:
             os.killpg(self.process.pid, signal.SIGKILL)
-            self.process.communicate()
+            self.process.wait()
+            self.pipe.close()
             self.process = None
 
     def absence(self) -> str:
@@ -154,7 +147,7 @@ def try_one(
     worker: Worker, problem: Problem, method: str, form: str, setting: float, seconds: float
 ) -> Trial:
     """One trial."""
-    question = {"problem": asdict(problem), "method": method, "setting": setting}
+    question = {"problem": problem, "method": method, "setting": setting}
     if form != "-":
         question["formulation"] = form
     status, remark, answer = "ok", "", {}

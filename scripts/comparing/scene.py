@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from comparing.problem import ALIKE, Problem, as_list, product
-from comparing.program import RunError, call
+from program import SOME_FAILED, ProgramError, call
 from spintop_figures.tables.table import Table, read_head, read_table
 from spintop_figures.tables.words import is_good_end
 
@@ -41,9 +41,9 @@ def read_scene(name: str, path: Path, overrides: list[str], general: bool = Fals
     groups = {match[1]: match[0] for match in GROUP.finditer(resolved)}
     settings = read_head([line.strip() for line in resolved.splitlines()])[1]
     if any(key.startswith(("sweep.parameter", "sweep.table")) for key in settings):
-        raise RunError("has a sweep: leave that out, and --set what it is to be")
+        raise ProgramError("has a sweep: leave that out, and --set what it is to be")
     if "top" not in groups:
-        raise RunError("has no top of its own")
+        raise ProgramError("has no top of its own")
     damping = [float(text) for text in settings["top.damping"]]
     span = re.sub(r"(?m)^ *samples *=.*\n", "", groups["span"])
     return Scene(name, [groups["top"], groups["initial"], span], damping, general)
@@ -90,7 +90,7 @@ def with_truth(problem: Problem, groups: list[str], folder: Path) -> Problem:
     """A problem with its truth in quadruple precision of these groups, and the exact end."""
     table = compute("trajectory", [*groups, ask_for((*ATTITUDE, "t")), REFERENCE], folder)
     if not is_good_end(table.status):
-        raise RunError(f"its reference ends with status {table.status}")
+        raise ProgramError(f"its reference ends with status {table.status}")
     rows = table.rows[[*ATTITUDE, "t"]].to_numpy(float)[-problem.samples :].tolist()
     return replace(problem, truth=[row[:4] for row in rows], t_end=rows[-1][4])
 
@@ -99,7 +99,7 @@ def compute(kind: str, groups: list[str], folder: Path) -> Table:
     """The table of a study of an input of these groups."""
     path = folder / "question.nml"
     path.write_text("\n".join([f"&study kind = '{kind}' /", *groups, ""]), encoding="utf-8")
-    call("--quiet", "-o", folder, path)
+    call("--quiet", "-o", folder, path, allowed=SOME_FAILED)
     return read_table(folder / "question.csv")
 
 

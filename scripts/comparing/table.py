@@ -12,7 +12,7 @@ import pandas as pd
 from comparing import bodies
 from comparing.crew import Trial
 from comparing.problem import MOTIONS, Problem
-from comparing.program import as_table, processor
+from program import as_table, processor
 from spintop_figures.tables.table import Table
 from spintop_figures.tables.words import ended_well
 

@@ -59,75 +59,35 @@ def parse_arguments() -> argparse.Namespace:
         "4 the film could not be made or written; else that of the program",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    add = parser.add_argument
-    add(
-        "input",
-        metavar="INPUT",
-        type=Path,
-        help="an input (.nml), or a table, whose input is run again",
-    )
-    add(
-        "second",
-        metavar="SECOND",
-        type=Path,
-        nargs="?",
-        help="a second motion, beside the first at the same times",
-    )
-    add("--ghost", action="store_true", help="draw the second motion as a ghost of the first")
-    add(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=Path,
-        help="the film: .mp4, .webm or .gif (default: output/NAME.mp4)",
-    )
     time = number_of("time, s,", 0.0, MOST_TIME)
+    add = parser.add_argument
+    add("input", metavar="INPUT", type=Path,
+        help="an input (.nml), or a table, whose input is run again")  # fmt: skip
+    add("second", metavar="SECOND", type=Path, nargs="?",
+        help="a second motion, beside the first at the same times")  # fmt: skip
+    add("--ghost", action="store_true", help="draw the second motion as a ghost of the first")
+    add("-o", "--output", metavar="FILE", type=Path,
+        help="the film: .mp4, .webm or .gif (default: output/NAME.mp4)")  # fmt: skip
     add("--from", type=time, default=0.0, dest="start", metavar="T", help="begin at this time, s")
     add("--to", type=time, dest="end", metavar="T", help="end at this time, s")
-    lengths = parser.add_mutually_exclusive_group()
-    lengths.add_argument(
-        "--seconds",
-        type=number_of("duration", LEAST_SECONDS, MOST_SECONDS),
-        default=SECONDS,
-        help=f"how long the film is (default: {SECONDS:g})",
-    )
-    lengths.add_argument(
-        "--speed",
-        type=number_of("speed", *SPEEDS),
-        metavar="X",
-        help="seconds of motion per second of the film, below 1 slow motion; instead of --seconds",
-    )
-    add(
-        "--rate",
-        type=int,
-        choices=range(1, 61),
-        metavar="N",
-        help=f"pictures a second (default: {RATE}; GIF: {RATES['.gif']})",
-    )
+    add_length = parser.add_mutually_exclusive_group().add_argument
+    add_length("--seconds", type=number_of("duration", LEAST_SECONDS, MOST_SECONDS),
+               default=SECONDS, help=f"how long the film is (default: {SECONDS:g})")  # fmt: skip
+    add_length("--speed", type=number_of("speed", *SPEEDS), metavar="X",
+               help="seconds of motion per second of the film, below 1 slow motion; instead of "
+               "--seconds")  # fmt: skip
+    add("--rate", type=int, choices=range(1, 61), metavar="N",
+        help=f"pictures a second (default: {RATE}; GIF: {RATES['.gif']})")  # fmt: skip
     add("--size", type=size_of, metavar="WxH", help="pixels (default: 1280x720; GIF: 640x360)")
-    add(
-        "--arrow",
-        action="append",
-        choices=list(NAMES),
-        default=[],
-        dest="arrows",
-        help="draw this vector too (repeatable)",
-    )
-    eye, height = View().azimuth, View().elevation
-    add(
-        "--azimuth",
-        type=number_of("angle", -360, 360),
-        default=eye,
-        metavar="DEG",
-        help=f"where the eye is, about the vertical from x towards y (default: {eye:g})",
-    )
-    add(
-        "--elevation",
-        type=number_of("angle", -90, 90),
-        default=height,
-        metavar="DEG",
-        help=f"how high it is over the horizon; 90 is from above (default: {height:g})",
-    )
+    add("--arrow", action="append", choices=list(NAMES), default=[], dest="arrows",
+        help="draw this vector too (repeatable)")  # fmt: skip
+    for name, most, what in (
+        ("azimuth", 360, "where the eye is, about the vertical from x towards y"),
+        ("elevation", 90, "how high it is over the horizon; 90 is from above"),
+    ):
+        default = getattr(View, name)
+        add(f"--{name}", type=number_of("angle", -most, most), default=default, metavar="DEG",
+            help=f"{what} (default: {default:g})")  # fmt: skip
     add("--dark", action="store_true", help="light on dark, for a projector")
     arguments = parser.parse_args()
     if arguments.ghost and not arguments.second:

@@ -37,9 +37,9 @@ REAL = 0.005
 
 def palette(dark: bool) -> dict[str, str]:
     """The colours of the page by their names, light or dark."""
-    light, night = SHEET.read_text(encoding="utf-8").split("prefers-color-scheme: dark", 1)
-    sheet = night.partition("}")[0] if dark else light
-    return dict(re.findall(r"--(?:body-)?([a-z]+): (#\w+);", sheet))
+    sheet = SHEET.read_text(encoding="utf-8")
+    pairs = re.findall(r"--(?:body-)?([a-z]+): light-dark\((#\w+), (#\w+)\);", sheet)
+    return {name: pair[dark] for name, *pair in pairs}
 
 
 def describe_speed(speed: float) -> str:

@@ -33,6 +33,7 @@ SAME = 1e-6
 FIXED = "rows of a method with a fixed step size are at its steps"
 """What the program says where it cannot have as many rows as a film asks for."""
 
+NO_TRAJECTORY = "{}: this is no trajectory, which a film is made of"
 KIND = re.compile(r"^[^!\n]*\bkind\s*=\s*(['\"])(\w+)\1", re.MULTILINE | re.IGNORECASE)
 """The kind of study that an input names."""
 
@@ -115,58 +116,42 @@ def prepared(source: Path) -> Iterator[tuple[Path, Path]]:
         file = source
         if source.suffix != ".nml":
             file = folder / f"{source.stem}.nml"
-            file.write_text(input_of(source), encoding="utf-8")
+            file.write_text(read_trajectory(source, source).input, encoding="utf-8")
         yield file, folder
 
 
-def input_of(path: Path) -> str:
-    """The resolved input in the header of a table."""
+def read_trajectory(path: Path, source: Path) -> Table:
+    """A table, which a film can be made of."""
     try:
         table = read_table(path)
     except (TableError, OSError) as error:
         raise FilmError(str(error)) from error
     if table.kind != "trajectory":
-        raise FilmError(f"{path}: this is no trajectory, which a film is made of")
-    return table.input
+        raise FilmError(NO_TRAJECTORY.format(source))
+    return table
 
 
 def run(file: Path, folder: Path, rows: int) -> Table:
-    """Run the program on an input, with so many rows."""
+    """Run the program on an input, with so many rows and with what a film needs."""
     kind = KIND.search(file.read_text(encoding="utf-8", errors="replace"))
     if kind and kind[2].lower() != "trajectory":
-        raise FilmError(f"{file}: this is no trajectory, which a film is made of")
+        raise FilmError(NO_TRAJECTORY.format(file))
     table = folder / f"{file.stem}.csv"
     table.unlink(missing_ok=True)
-    done = call_program(file, folder, (f"span.samples={rows}",))
-    if FIXED in done.stderr:  # rows are at steps: those that the input asks for
-        done = call_program(file, folder, ())
+    given = ("--set", f"output.columns={','.join(COLUMNS)}", "--set", "output.format=csv")
+    # Rows of some methods are at steps: those that the input asks for.
+    for more in (("--set", f"span.samples={rows}"), ()):
+        command = [PROGRAM, "--quiet", "-o", str(folder), *more, *given, "--", str(file)]
+        try:
+            done = subprocess.run(command, check=False, capture_output=True, text=True)
+        except OSError as error:
+            raise FilmError(f"cannot run {PROGRAM}: {error.strerror}") from error
+        if FIXED not in done.stderr:
+            break
     if not table.exists():
-        raise FilmError(
-            (done.stderr or done.stdout).strip() or f"{file}: no table was made",
-            done.returncode or 2,
-        )
-    try:
-        found = read_table(table)
-    except TableError as error:
-        raise FilmError(str(error)) from error
-    if found.kind != "trajectory":
-        raise FilmError(f"{file}: this is no trajectory, which a film is made of")
-    return found
-
-
-def call_program(
-    file: Path, folder: Path, settings: tuple[str, ...]
-) -> subprocess.CompletedProcess[str]:
-    """Run the program on an input with these settings, and with what a film needs."""
-    command = [PROGRAM, "--quiet", "-o", str(folder)]
-    columns = f"output.columns={','.join(COLUMNS)}"
-    for setting in (*settings, columns, "output.format=csv"):
-        command += ["--set", setting]
-    command += ["--", str(file)]
-    try:
-        return subprocess.run(command, check=False, capture_output=True, text=True)
-    except OSError as error:
-        raise FilmError(f"cannot run {PROGRAM}: {error.strerror}") from error
+        said = (done.stderr or done.stdout).strip()
+        raise FilmError(said or f"{file}: no table was made", done.returncode or 2)
+    return read_trajectory(table, file)
 
 
 def take_of(table: Table, pictures: int, part: Part | None = None) -> Take:

@@ -6,7 +6,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 Number = Any
-State = Sequence[Number]
+State = np.ndarray
+"""Numbers, or in each place an array of numbers."""
 
 
 class Accuracy(NamedTuple):
@@ -55,18 +56,16 @@ def extrapolated(
 ) -> tuple[State, Number]:
     """A step, and its error: midpoint rules of 2, 4, 6 ... parts, extrapolated to none."""
     first = rate(time, state)
-    above: list[list[Number]] = []
+    above: list[State] = []
     for j in range(1, columns + 1):
         part = step / (2 * j)
-        before, here = state, [y + part * f for y, f in zip(state, first, strict=True)]
+        before, here = state, state + part * first
         for i in range(1, 2 * j):
-            slope = rate(time + i * part, here)
-            before, here = here, [y + 2 * part * f for y, f in zip(before, slope, strict=True)]
-        slope = rate(time + step, here)
-        row = [[(a + b + part * f) / 2 for a, b, f in zip(before, here, slope, strict=True)]]
+            before, here = here, before + 2 * part * rate(time + i * part, here)
+        row = [(before + here + part * rate(time + step, here)) / 2]
         for k, old in enumerate(above, 1):
             up, down = (j - k) ** 2, j**2 - (j - k) ** 2
-            row.append([x + (x - y) * up / down for x, y in zip(row[-1], old, strict=True)])
+            row.append(row[-1] + (row[-1] - old) * up / down)
         above = row
     changes = (abs(x - y) / s for x, y, s in zip(above[-1], above[-2], scales, strict=True))
     return above[-1], max(part for change in changes for part in np.ravel(change))

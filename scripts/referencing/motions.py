@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from referencing.answer import Answer, answer_of
 from referencing.equations import ARRAYS, DECIMALS, Equations, decimal_turn, product
 from referencing.extrapolation import Accuracy, integrate
-from referencing.program import Answer, answer_of
 
 VERSION = "1.2"
 LICENCE = "CC0-1.0"
@@ -80,11 +80,9 @@ class Error:
     kind: str
 
 
-def exact(data: Any) -> Any:
+def exact(data: Any) -> np.ndarray:
     """Numbers as decimals, without rounding."""
-    if isinstance(data, Mapping):
-        return {key: exact(value) for key, value in data.items()}
-    return [exact(value) for value in data] if isinstance(data, list) else Decimal(data)
+    return np.vectorize(Decimal, otypes=[object])(data)[()]
 
 
 def start_of(initial: Mapping[str, Any]) -> Sequence[Decimal]:
@@ -92,29 +90,35 @@ def start_of(initial: Mapping[str, Any]) -> Sequence[Decimal]:
     if "quaternion" in initial:
         q = exact(initial["quaternion"])
         length = sum(x * x for x in q).sqrt()
-        return tuple(x / length for x in q)
-    q = (Decimal(1), Decimal(0), Decimal(0), Decimal(0))
+        return q / length
+    q = exact([1, 0, 0, 0])
     for key, axis in zip(ANGLES, (3, 1, 3), strict=True):
         cosine, sine = decimal_turn(Decimal(initial.get(key, 0)) / 2)
-        q = product(q, (cosine, *(sine if i == axis else Decimal(0) for i in (1, 2, 3))))
+        turn = exact([0] * 4)
+        turn[[0, axis]] = cosine, sine
+        q = product(q, turn)
     return q
 
 
 def angle(p: Sequence[Any], q: Sequence[Any]) -> Decimal:
     """The rotation between two attitudes, which is small, by quaternions of nearly unit length."""
-    p, q = [Decimal(x) for x in p], [Decimal(x) for x in q]
-    difference = product((p[0], -p[1], -p[2], -p[3]), q)
+    difference = product(exact(p) * [1, -1, -1, -1], exact(q))
     return 2 * sum(x * x for x in difference[1:]).sqrt() / abs(difference[0])
 
 
 def distance(a: Sequence[Any], b: Sequence[Any]) -> Decimal:
     """The length of a difference."""
-    return sum((Decimal(x) - Decimal(y)) ** 2 for x, y in zip(a, b, strict=True)).sqrt()
+    return sum((exact(a) - exact(b)) ** 2).sqrt()
 
 
 def length(a: Sequence[Any]) -> Decimal:
     """The length of a vector."""
-    return distance(a, [0] * len(a))
+    return sum(exact(a) ** 2).sqrt()
+
+
+def rounding(numbers: np.ndarray) -> Decimal:
+    """How far a vector is from that of the nearest doubles."""
+    return distance(numbers, numbers.astype(float))
 
 
 class Motion:
@@ -126,9 +130,10 @@ class Motion:
         self.name = path.stem
         self.source = " ".join(re.findall(r"(?m)^! (.*)", path.read_text(encoding="utf-8")))
         self.answer: Answer = answer_of(path)
-        self.equations = Equations(exact(self.answer.data), DECIMALS)
+        data = {key: exact(value) for key, value in self.answer.data.items()}
+        self.equations = Equations(data, DECIMALS)
         q, omega = start_of(self.answer.initial), exact(self.answer.initial["omega"])
-        state = (*q, *self.equations.momentum(q, omega))
+        state = np.array([*q, *self.equations.momentum(q, omega)])
         self.times = [Decimal(t) for t in self.answer.columns["t"]]
         scale = max(length(state[4:]), self.size() / 100)
         scales = [Decimal(1)] * 4 + [scale] * 3
@@ -155,10 +160,8 @@ class Motion:
         for i, (t, state, row) in enumerate(zip(self.times, self.states, self.rows, strict=True)):
             q = [columns[f"q{k}"][i] for k in range(4)]
             omega = [columns[f"omega{k}"][i] for k in (1, 2, 3)]
-            attitude = angle(state[:4], q) + angle(state[:4], map(float, state[:4]))
-            turning = distance(row["omega"], omega) + distance(
-                row["omega"], map(float, row["omega"])
-            )
+            attitude = angle(state[:4], q) + angle(state[:4], state[:4].astype(float))
+            turning = distance(row["omega"], omega) + rounding(row["omega"])
             if kinds["attitude"] == "proved":
                 attitude += Decimal(columns["orientation_bound"][i])
             if is_proved:
@@ -169,7 +172,7 @@ class Motion:
                 by_turn, by_omega = changes[name]
                 quantity = OWNERS.get(name, name)
                 error = by_turn * attitude + by_omega * turning
-                error += distance(row[name], map(float, row[name]))
+                error += rounding(row[name])
                 if name not in ("matrix", "omega"):
                     errors[quantity] = max(errors.get(quantity, 0), error)
             for name, error in errors.items():
@@ -192,12 +195,12 @@ class Motion:
         omega = self.equations.motion(t, state)[1]
         here = self.equations.numbers(t, state)
         for k in range(3):
-            step = [small if i == k else Decimal(0) for i in range(3)]
-            turn = product(q, (Decimal(1), *(x / 2 for x in step)))
-            faster = [w + x for w, x in zip(omega, step, strict=True)]
-            for j, (new, rate) in enumerate(((turn, omega), (q, faster))):
+            step = exact([0] * 3)
+            step[k] = small
+            turn = product(q, np.array([Decimal(1), *(step / 2)]))
+            for j, (new, rate) in enumerate(((turn, omega), (q, omega + step))):
                 momentum = self.equations.momentum(new, rate, t)
-                there = self.equations.numbers(t, (*new, *momentum))
+                there = self.equations.numbers(t, np.array([*new, *momentum]))
                 for name in here:
                     squares[name][j] += (distance(there[name], here[name]) / small) ** 2
         return {name: (a.sqrt(), b.sqrt()) for name, (a, b) in squares.items()}
@@ -235,17 +238,15 @@ class Motion:
         for k, (key, at) in enumerate(places, 1):
             displaced[key][(*at, k)] *= 1 + DISPLACEMENT
         q = displaced.pop("quaternion")
-        norm = np.sqrt(sum(x * x for x in q))
-        q, omega = [x / norm for x in q], displaced.pop("omega")
+        q, omega = q / np.sqrt(sum(q * q)), displaced.pop("omega")
         equations = Equations(displaced, ARRAYS)
-        state = (*q, *equations.momentum(q, omega))
+        state = np.array([*q, *equations.momentum(q, omega)])
         scale = max(float(length(state[4:])) for state in self.states)
         times = [float(t) for t in self.times]
         errors = []
         for now in integrate(equations.rate, state, times, [1] * 4 + [scale] * 3, COARSE):
-            p = [x[0] for x in now[:4]]
-            turn = product((p[0], -p[1], -p[2], -p[3]), now[:4])
-            change = 2 * np.sqrt(sum(x * x for x in turn[1:])) / DISPLACEMENT * ROUNDING
+            turn = product(now[:4, :1] * [[1], [-1], [-1], [-1]], now[:4])
+            change = 2 * np.sqrt(sum(turn[1:] ** 2)) / DISPLACEMENT * ROUNDING
             errors.append(float(np.sqrt(np.sum(change * change))))
         return errors
 

@@ -7,8 +7,8 @@ from concurrent.futures import ProcessPoolExecutor
 from itertools import zip_longest
 from pathlib import Path
 
+from program import ROOT, ProgramError, call
 from referencing.motions import LICENCE, VERSION, Motion, MotionError, as_text
-from referencing.program import ROOT, ProgramError, run
 
 FOLDER = ROOT / "reference"
 
@@ -61,7 +61,7 @@ def differences(path: Path, text: str) -> Iterator[str]:
 def verified(table: Path) -> Iterator[str]:
     """What `spintop verify` finds wrong in a table."""
     try:
-        run("verify", str(table))
+        call("verify", table)
     except ProgramError as error:
         yield str(error)
 

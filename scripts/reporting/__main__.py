@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from reporting.packages import PackageError
-from reporting.page import ALONE, make_alone, make_page, write_page
+from reporting.page import make_alone, make_page, write_page
 from reporting.study import list_tables, read_study
 from spintop_figures.files import show_path
 from spintop_figures.tables.table import printable
@@ -14,7 +14,7 @@ from spintop_figures.tables.table import printable
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 SCRIPTS = Path(__file__).resolve().parent.parent
 PAGES_ALONE = {
-    "--live": "the page of the live top, which answers to sliders at once, instead",
+    "--live": "the page of the live top, which answers to sliders at once",
     "--viewer": "the page in which the Python package shows a motion",
 }
 
@@ -25,33 +25,31 @@ def parse_arguments() -> argparse.Namespace:
         prog="scripts/report",
         description=__doc__ + "\nThe page needs no other file and no network.",
         epilog="exit codes: 0 all is well; 2 wrong usage or no table; 4 the page could not be\n"
-        "written; else that of scripts/run, the page being made of what there is. A file that is\n"
-        "no table is named in the page.",
+        "made or written; else that of scripts/run, the page being made of what there is. A file\n"
+        "that is no table is named in the page.",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    add, alone = parser.add_argument, parser.add_mutually_exclusive_group()
     for option, what in PAGES_ALONE.items():
-        parser.add_argument(option, action="store_true", help=f"make {what}: {option} [-o FILE]")
-    parser.add_argument("study", metavar="STUDY_DIR", type=Path, help="folder with tables")
-    parser.add_argument(
-        "inputs",
-        metavar="INPUT.nml",
-        nargs="*",
-        type=Path,
-        help="run these first, into that folder; their tables come first, in this order",
-    )
-    parser.add_argument(
-        "--title",
-        metavar="TEXT",
-        help="the title of the page (default: the name of the folder)",
-    )
-    parser.add_argument(
-        "-o",
-        "--output",
-        metavar="FILE",
-        type=Path,
-        help="the page (default: STUDY_DIR/report.html)",
-    )
-    return parser.parse_args()
+        alone.add_argument(option, dest="alone", action="store_const", const=option,
+                           help=f"make {what}, and no other: {option} [-o FILE]")  # fmt: skip
+    add("study", metavar="STUDY_DIR", type=Path, nargs="?", help="folder with tables")
+    add("inputs", metavar="INPUT.nml", nargs="*", type=Path, help="run these first, into that "
+        "folder; their tables come first, in this order")  # fmt: skip
+    add("--title", metavar="TEXT", help="the title of the page (default: the name of the folder)")
+    add("-o", "--output", metavar="FILE", type=Path,
+        help="the page (default: STUDY_DIR/report.html, output/live.html)")  # fmt: skip
+    arguments = parser.parse_args()
+    if arguments.alone and (arguments.study or arguments.title):
+        parser.error(f"{arguments.alone} takes -o FILE only")
+    if not arguments.alone and not arguments.study:
+        parser.error("the following arguments are required: STUDY_DIR")
+    if arguments.alone:
+        default = Path("output") / f"{arguments.alone[2:]}.html"
+    else:
+        default = arguments.study / "report.html"
+    arguments.output = arguments.output or default
+    return arguments
 
 
 def complain(message: str) -> None:
@@ -78,31 +76,15 @@ def write_or_complain(page: str, output: Path) -> int:
     return 0
 
 
-def make_page_alone(option: str) -> int:
-    """Make a page without a study."""
-    parser = argparse.ArgumentParser(
-        prog=f"scripts/report {option}",
-        description=f"Make {PAGES_ALONE[option]}. It needs no other file and no network.",
-        epilog="exit codes: 0 all is well; 2 wrong usage; 4 the page could not be made or written",
-    )
-    default = Path("output") / f"{option.removeprefix('--')}.html"
-    parser.add_argument(option, action="store_true", help=argparse.SUPPRESS)
-    parser.add_argument(
-        "-o", "--output", metavar="FILE", type=Path, default=default, help=f"default: {default}"
-    )
-    output = parser.parse_args().output
-    try:
-        return write_or_complain(make_alone(option), output)
-    except PackageError as error:
-        complain(str(error))
-        return EXIT_OUTPUT
-
-
 def main() -> int:
     """Run the inputs, if any, and make the page."""
-    if option := next((option for option in ALONE if option in sys.argv[1:]), None):
-        return make_page_alone(option)
     arguments = parse_arguments()
+    if arguments.alone:
+        try:
+            return write_or_complain(make_alone(arguments.alone), arguments.output)
+        except PackageError as error:
+            complain(str(error))
+            return EXIT_OUTPUT
     before = list_tables(arguments.study) if arguments.inputs else None
     code = run_inputs(arguments.study, arguments.inputs) if arguments.inputs else 0
     if code == EXIT_INPUT:
@@ -120,7 +102,7 @@ def main() -> int:
     page, lacking = make_page(title, sections, problems)
     for sentence in lacking:
         complain(sentence)
-    return write_or_complain(page, arguments.output or arguments.study / "report.html") or code
+    return write_or_complain(page, arguments.output) or code
 
 
 if __name__ == "__main__":

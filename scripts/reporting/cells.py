@@ -7,6 +7,8 @@ import numpy as np
 import pandas as pd
 from markupsafe import Markup
 
+from spintop_figures.style.numbers import DASH, true_minus
+
 DIGITS = 10
 """Significant digits of the largest number of a column."""
 
@@ -23,17 +25,10 @@ BOUND = "_bound"
 MOST, MORE = 17, 2
 """Digits of a cell with a bound, and how many of the best known one are not proved."""
 
-NOTHING = "\N{EN DASH}"
-
 
 def is_number(cell: object) -> bool:
     """Whether a cell holds a number, which nan is not."""
     return isinstance(cell, int | float | np.number) and not isinstance(cell, bool) and cell == cell
-
-
-def minus(text: str) -> str:
-    """With true minus signs."""
-    return text.replace("-", "\N{MINUS SIGN}")
 
 
 def texts_of(cells: Sequence[object] | pd.Series) -> list[str]:
@@ -47,24 +42,24 @@ def texts_of(cells: Sequence[object] | pd.Series) -> list[str]:
 
 def word_of(cell: object) -> str:
     """A cell without a number."""
-    return str(cell) if isinstance(cell, str) else NOTHING
+    return str(cell) if isinstance(cell, str) else DASH
 
 
 def writer_for(numbers: list[float]) -> object:
     """What writes the numbers of a column: whole, with decimals, or with a power of ten."""
     sizes = [abs(float(x)) for x in numbers if x and math.isfinite(x)]
     if all(isinstance(x, int | np.integer) for x in numbers):
-        return lambda x: minus(str(x))
+        return lambda x: true_minus(str(x))
     if not sizes:
-        return lambda x: "0" if x == 0 else minus(str(x))
+        return lambda x: "0" if x == 0 else true_minus(str(x))
     ends = (max(sizes), np.quantile(sizes, SMALL_PART))
     top, bottom = (math.floor(math.log10(x)) for x in ends)
     if not LOWEST <= top < HIGHEST or top - bottom > WIDEST:
-        return lambda x: minus(f"{x:.{DIGITS - 1}e}") if math.isfinite(x) else minus(str(x))
+        return lambda x: true_minus(f"{x:.{DIGITS - 1}e}")
     # No decimals that every number has as zero.
     most = max(0, DIGITS - 1 - top)
     needed = max(len(f"{float(x):.{most}f}".rstrip("0").partition(".")[2]) for x in numbers)
-    return lambda x: minus(f"{float(x):.{needed}f}")
+    return lambda x: true_minus(f"{float(x):.{needed}f}")
 
 
 def decimals_of(bound: float) -> int | None:
@@ -86,7 +81,7 @@ def proved_texts(cells: Sequence[object], bounds: Sequence[object]) -> list[str]
         if not is_number(cell):
             texts.append(word_of(cell))
         elif proved is None or not math.isfinite(cell):
-            texts.append(minus(f"{cell:.{decimals}f}" if math.isfinite(cell) else str(cell)))
+            texts.append(true_minus(f"{cell:.{decimals}f}"))
         else:
             texts.append(in_parts(f"{cell:.{decimals}f}", decimals - proved, float(bound)))
     return texts
@@ -96,7 +91,7 @@ def in_parts(text: str, rest: int, bound: float) -> Markup:
     """A number of which all but the last few digits are proved."""
     end = len(text) - max(0, rest)
     end -= text[:end].endswith(".")
-    said = minus(f"{bound:.2g}")
+    said = true_minus(f"{bound:.2g}")
     return Markup('<b class="proved" title="off by {} at most">{}</b>{}').format(
-        said, minus(text[:end]), text[end:]
+        said, true_minus(text[:end]), text[end:]
     )

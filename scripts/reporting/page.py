@@ -14,6 +14,7 @@ from pathlib import Path
 import jinja2
 from markupsafe import Markup
 
+from reporting.key_numbers import key_numbers
 from reporting.live_link import live_link
 from reporting.packages import DICTIONARY, PAGE, PackageError, bundle
 from reporting.study import Section
@@ -28,6 +29,9 @@ more, the longest tables have fewer rows."""
 
 ALL_CELLS = 20_000
 """Cells of all tables that are shown."""
+
+COLUMNS_ON_PAPER = 8
+"""Wider tables are printed across."""
 
 STYLES = ("page.css", "live.css")
 ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "main.js")}
@@ -142,6 +146,8 @@ def make_page(title: str, sections: list[Section], problems: list[str]) -> tuple
         motions=motions,
         lives={s.anchor: live_link(s.table) for s in sections if s.anchor in motions},
         lack=lack,
+        key_numbers=key_numbers,
+        columns_on_paper=COLUMNS_ON_PAPER,
     )
     return page, ([f"the tops do not move in the page: {lack}"] if lack else []) + reduced
 

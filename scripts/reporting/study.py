@@ -8,7 +8,6 @@ import numpy as np
 import pandas as pd
 
 from reporting.cells import BOUND, proved_texts, texts_of
-from reporting.key_numbers import key_numbers
 from reporting.pictures import Picture, pictures_of
 from reporting.words import method_of
 from spintop_figures.moving.data import Data, rows_kept, which_rows
@@ -21,9 +20,6 @@ from spintop_figures.tables.words import ended_well, is_good_end
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""
-
-COLUMNS_ON_PAPER = 8
-"""Wider tables are printed across."""
 
 FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
 """The provenance in the header of a table, in the order of the report."""
@@ -55,31 +51,20 @@ class Section:
         return f"{title}: {self.mark}" if self.mark else title
 
     @property
-    def kind(self) -> str:
-        """The kind of the study, in words."""
-        return self.table.kind.replace("_", " ")
-
-    @property
     def facts(self) -> dict[str, str]:
         """Where the table comes from."""
         header = self.table.header
         return {key: header[key] for key in FACTS if header.get(key)}
 
     @property
-    def outcomes(self) -> dict[str, int]:
-        """How many rows ended with which verdict or status, the most frequent first."""
-        rows = self.table.rows
-        column = next((name for name in ("verdict", "status") if name in rows), None)
-        if column is None:
-            return {}
-        return {str(word): int(count) for word, count in rows[column].value_counts().items()}
-
-    @property
     def outcome(self) -> str:
-        """How it ended, in a few words."""
+        """How it ended, or how many rows with which verdict or status, in a few words."""
         if self.table.status is not None:
             return describe_end(self.table.status)
-        counts = [f"{write_count(count)} {name_of(word)}" for word, count in self.outcomes.items()]
+        rows = self.table.rows
+        column = next((name for name in ("verdict", "status") if name in rows), None)
+        found = rows[column].value_counts() if column else {}
+        counts = [f"{write_count(count)} {name_of(str(word))}" for word, count in found.items()]
         return f"all {counts[0]}" if len(counts) == 1 and self.size > 1 else ", ".join(counts)
 
     @property
@@ -91,16 +76,6 @@ class Section:
     def rows(self) -> str:
         """The same in words."""
         return f"{write_count(self.size)} row{'s' if self.size != 1 else ''}"
-
-    @property
-    def is_wide(self) -> bool:
-        """Whether the table is wider than a page of paper that stands upright."""
-        return len(self.table.rows.columns) > COLUMNS_ON_PAPER
-
-    @property
-    def key_numbers(self) -> dict[str, str]:
-        """What one wants to know first."""
-        return key_numbers(self.table)
 
     @property
     def method(self) -> str:

@@ -19,7 +19,7 @@ module spintop_text
 
     !> A text of any length, as an element of a list.
     type :: string_t
-        character(:), allocatable :: text
+        character(:), allocatable :: text !! as long as it has characters
     end type string_t
 
     !> A number as text: a real in the shortest form that gives the same bits when it is read (`nan`, `inf`,

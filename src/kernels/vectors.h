@@ -17,12 +17,14 @@ typedef double half_vector __attribute__((vector_size(8 * half)));
 #define shuffle __builtin_shufflevector
 #define component(v, i) shuffle(v, v, i, i, i, i)
 
-// A loop of few turns, which becomes none, and one of many, of which two become one.
+// A loop of few turns, which becomes none, and those of many, of which two or four become one.
 #if defined(__clang__)
 #define unrolled_for _Pragma("clang loop unroll_count(2)") for
+#define far_unrolled_for _Pragma("clang loop unroll_count(4)") for
 #define for_all(i, n) _Pragma("clang loop unroll(full)") for (int i = 0; i < (n); ++i)
 #else
 #define unrolled_for _Pragma("GCC unroll 2") for
+#define far_unrolled_for _Pragma("GCC unroll 4") for
 #define for_all(i, n) _Pragma("GCC unroll 8") for (int i = 0; i < (n); ++i)
 #endif
 

@@ -1,4 +1,4 @@
-// The CRC-32 of gzip, PNG and zlib, of bytes that come in pieces, eight at a time by tables. Any other program can compute it
+// The CRC-32 of gzip, PNG and zlib, of bytes that come in pieces, sixteen at a time by tables. Any other program can compute it
 // as well: it is zlib.crc32 of Python.
 
 #include <stddef.h>
@@ -15,7 +15,7 @@ struct checksum {
 void spintop_add_to_checksum(struct checksum *self, const char *bytes, long long count);
 void spintop_add_reals_to_checksum(struct checksum *self, const double *values, long long count);
 
-enum { polynomial = (int)0xEDB88320u, tables = 8 };
+enum { polynomial = (int)0xEDB88320u, tables = 16 };
 
 static uint32_t table[tables][256];
 
@@ -33,11 +33,11 @@ __attribute__((constructor)) static void make_tables(void) {
 
 static uint32_t by_tables(uint32_t state, const unsigned char *bytes, size_t count) {
     for (; count >= tables; count -= tables, bytes += tables) {
-        uint32_t word = 0;
-        for (int i = 0; i < 4; ++i) word |= (uint32_t)bytes[i] << 8 * i;
-        word ^= state;
-        state = 0;
-        for (int i = 0; i < 4; ++i) state ^= table[7 - i][word >> 8 * i & 255] ^ table[3 - i][bytes[4 + i]];
+        uint32_t sum = 0;
+        for (int i = 0; i < 4; ++i) sum ^= table[tables - 1 - i][bytes[i] ^ (state >> 8 * i & 255)];
+#pragma GCC unroll 16
+        for (int i = 4; i < tables; ++i) sum ^= table[tables - 1 - i][bytes[i]];
+        state = sum;
     }
     for (; count > 0; --count, ++bytes) state = state >> 8 ^ table[0][(state ^ *bytes) & 255];
     return state;

@@ -247,6 +247,19 @@ class ArchitectureTest(unittest.TestCase):
         missing = [item for source in sources for item in source.undocumented_items()]
         self.assertEqual(missing, [])
 
+    def test_components_are_documented(self) -> None:
+        """Each component of a type that users of the library see has a docstring."""
+        library = (ROOT / "src/spintop.f90").read_text(encoding="utf-8")
+        types = set(re.findall(r"\w+_t\b", library))
+        found = [
+            (f"{path.name}: {name}", source.is_documented(index))
+            for path in SOURCES
+            for source in [Source(path)]
+            for name, index in source.components(types)
+        ]
+        self.assertGreater(len(found), 100)
+        self.assertEqual([name for name, is_documented in found if not is_documented], [])
+
     def test_examples_call_what_there_is(self) -> None:
         """A call in a docstring is that of a procedure that there is."""
         text = {path: path.read_text(encoding="utf-8") for path in SOURCES}

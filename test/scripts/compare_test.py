@@ -8,15 +8,16 @@ import unittest
 import unittest.mock
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from comparing import ENGINES, SOLVERS, bodies, crew, table
 from comparing.equations import EQUATIONS, python_rates
 from comparing.problem import MOTIONS, Problem
-from comparing.program import RunError
 from comparing.scene import pose, read_scene, with_truth
 from conftest import ROOT, execute
+from program import ProgramError
 from referencing.extrapolation import extrapolated
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.table import read_table
@@ -62,9 +63,12 @@ class CompareTest(CompareCase):
         for form in suited:
             with self.subTest(form.name):
                 constants, start = form.start(problem)
-                rates, y = python_rates(form, constants), start
+                rates, y = python_rates(form, constants), np.array(start)
                 for _ in range(steps):
-                    y, _ = extrapolated(rates, 0.0, y, problem.t_end / steps, [1.0] * len(y), 8)
+                    y, _ = extrapolated(
+                        lambda t, y, rates=rates: np.array(rates(t, y)),
+                        0.0, y, problem.t_end / steps, [1.0] * len(y), 8,
+                    )  # fmt: skip
                 found = problem.judge([form.attitude(problem, y)])
                 self.assertLess(found["orientation_error"], 1e-12)
 
@@ -104,7 +108,7 @@ class CompareTest(CompareCase):
 
     def test_sweep(self) -> None:
         """A sweep is no problem."""
-        with self.assertRaisesRegex(RunError, "sweep"):
+        with self.assertRaisesRegex(ProgramError, "sweep"):
             self.pose(ROOT / "input/map_spin_tilt.nml")
 
     def start(self, name: str) -> crew.Worker:
@@ -182,7 +186,9 @@ class CompareTest(CompareCase):
     def fail_with(self, script: str) -> crew.Trial:
         """The trial of a peer whose process says that it is there, and then does this."""
         path = self.folder / "worker.py"
-        path.write_text('print(\'{"versions": ""}\', flush=True)\n' + script)
+        head = "import os, sys, time\nfrom multiprocessing.connection import Connection\n"
+        tell = "pipe = Connection(int(sys.argv[2]))\npipe.send({'versions': ''})\n"
+        path.write_text(head + tell + script)
         problem = self.pose(self.put())
         with unittest.mock.patch.object(crew, "WORKER", path):
             worker = crew.Worker(PROGRAMS["scipy"])
@@ -192,11 +198,11 @@ class CompareTest(CompareCase):
 
     def test_hanging_and_crashing(self) -> None:
         """A peer that hangs is stopped, one that dies is seen to, one that fails says why."""
-        self.assertEqual(self.fail_with("import time\ntime.sleep(60)").status, "out_of_time")
-        crash = "import os\ninput()\nos.kill(os.getpid(), 11)"
+        self.assertEqual(self.fail_with("time.sleep(60)").status, "out_of_time")
+        crash = "pipe.recv_bytes()\nos.kill(os.getpid(), 11)"
         self.assertEqual(self.fail_with(crash).status, "crashed")
         self.assertEqual(self.fail_with("").status, "crashed")
-        trial = self.fail_with('input()\nprint(\'{"failure": "a pole"}\', flush=True)')
+        trial = self.fail_with("pipe.recv_bytes()\npipe.send({'failure': 'a pole'})")
         self.assertEqual((trial.status, trial.remark, trial.answer), ("failed", "a pole", {}))
 
     def test_comparison(self) -> None:

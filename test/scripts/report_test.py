@@ -26,6 +26,7 @@ from reporting import packages, words
 from reporting import page as page_module
 from reporting import study as study_module
 from reporting.cells import proved_texts, texts_of
+from reporting.key_numbers import key_numbers
 from reporting.packages import PAGE, PackageError
 from reporting.page import make_page
 from reporting.pictures import Picture, data_uri, pictures_of
@@ -379,7 +380,7 @@ class ReportTest(ReportCase):
         )
         sections, problems = read_study(self.folder)
         self.assertEqual(problems, [])
-        found = {section.name: section.key_numbers for section in sections}
+        found = {section.name: key_numbers(section.table) for section in sections}
         self.assertEqual(found["a.csv"], {"moment of inertia I₃": "0.250050 ± 0.000056 kg m²"})
         self.assertEqual(list(found["a.residuals.csv"]), ["rms residual of θ"])
         self.assertEqual(found["b.csv"]["cases"], "1,200")

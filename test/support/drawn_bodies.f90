@@ -6,7 +6,7 @@ module drawn_bodies
     use spintop_motion, only: motion_from_angles, motion_t
     implicit none
     private
-    public :: draw_case
+    public :: draw_case, draw_cases
 
 contains
 
@@ -32,5 +32,16 @@ contains
         start = motion_from_angles(0.0_dp, angle, rate)
         t_end = 2 + 6 * x(12)
     end subroutine draw_case
+
+    !> The first cases.
+    subroutine draw_cases(bodies, starts, t_end)
+        type(body_t), intent(out) :: bodies(:)
+        type(motion_t), intent(out) :: starts(:)
+        real(dp), intent(out) :: t_end(:)
+        integer :: i
+        do i = 1, size(bodies)
+            call draw_case(i, bodies(i), starts(i), t_end(i))
+        end do
+    end subroutine draw_cases
 
 end module drawn_bodies

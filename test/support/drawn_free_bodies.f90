@@ -1,12 +1,13 @@
 !> Free rigid bodies and their starts, drawn in all regimes of the motion.
 module drawn_free_bodies
     use random_stream, only: random_stream_t
+    use runs, only: start_from
     use spintop_body, only: body_t
     use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_motion, only: motion_t
     implicit none
     private
-    public :: draw, free_body, start_of
+    public :: draw, free_body
 
 contains
 
@@ -17,12 +18,6 @@ contains
         body%inertia = inertia
     end function free_body
 
-    !> A start from quaternion and angular velocity.
-    type(motion_t) function start_of(quaternion, omega) result(start)
-        real(dp), intent(in) :: quaternion(4), omega(3) !! attitude, and rad/s in body axes
-        start = motion_from_quaternion(0.0_dp, quaternion, omega, [0.0_dp, 0.0_dp, 0.0_dp])
-    end function start_of
-
     !> A drawn body in one of the regimes: any; near the separatrix; near a stable axis; nearly a sphere;
     !> nearly symmetric.
     subroutine draw(stream, n, body, start)
@@ -32,8 +27,8 @@ contains
         type(motion_t), intent(out) :: start !! its start
         real(dp) :: inertia(3), omega(3), q(4), small
         small = 10.0_dp**(-15 * stream%share())
-        inertia = [stream%between(1.0_dp, 2.0_dp), stream%between(1.0_dp, 2.0_dp), stream%between(1.0_dp, 2.0_dp)]
-        omega = [stream%between(-3.0_dp, 3.0_dp), stream%between(-3.0_dp, 3.0_dp), stream%between(-3.0_dp, 3.0_dp)]
+        inertia = stream%several(3, 1.0_dp, 2.0_dp)
+        omega = stream%several(3, -3.0_dp, 3.0_dp)
         select case (mod(n, 6))
         case (1)
             ! On the separatrix but for a small part.
@@ -49,10 +44,9 @@ contains
         case (5)
             inertia(2) = inertia(1) * (1 + small)
         end select
-        q = [stream%between(-1.0_dp, 1.0_dp), stream%between(-1.0_dp, 1.0_dp), stream%between(-1.0_dp, 1.0_dp), &
-             stream%between(-1.0_dp, 1.0_dp)]
+        q = stream%several(4, -1.0_dp, 1.0_dp)
         body = free_body(inertia)
-        start = start_of(q / norm2(q), omega)
+        start = start_from(q / norm2(q), omega)
     end subroutine draw
 
 end module drawn_free_bodies

@@ -8,7 +8,7 @@ module effect_bodies
     use spintop_torque_table, only: by_lines, by_monotone, make_friction_table, make_torque_table
     implicit none
     private
-    public :: attitude, body_with, every_kind, kinds, bits_of
+    public :: any_body, attitude, body_with, every_kind, kinds, bits_of
 
     !> An attitude above the horizontal and one below it, and a quaternion that is not a unit one.
     real(dp), parameter :: attitude(4, 3) = reshape( &
@@ -64,10 +64,15 @@ contains
         if (has(20)) e%harmonic_space = harmonic_t([-0.2_dp, 0.4_dp, 0.3_dp], [2.0_dp, 0.1_dp, -1.0_dp], 2.5_dp)
         if (has(21)) call e%turn_with_earth(0.5_dp, 0.7_dp)
         if (has(22)) e%rotor_momentum(3) = 0.8_dp
+        body = any_body()
+        body%effects = e
+    end function body_with
+
+    !> A body without symmetry, with damping.
+    pure type(body_t) function any_body() result(body)
         body%inertia = [1.0_dp, 1.3_dp, 0.8_dp]
         body%centre_of_mass = [0.1_dp, -0.2_dp, 0.5_dp]
         body%damping = [0.1_dp, 0.2_dp, 0.05_dp]
-        body%effects = e
-    end function body_with
+    end function any_body
 
 end module effect_bodies

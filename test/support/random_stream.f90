@@ -13,6 +13,8 @@ module random_stream
     contains
         procedure :: share
         procedure :: between
+        procedure :: several
+        procedure :: of_size
         procedure :: of_any_size
     end type random_stream_t
 
@@ -31,6 +33,25 @@ contains
         real(dp), intent(in) :: low, high
         between = low + (high - low) * self%share()
     end function between
+
+    !> The next numbers, uniform between two.
+    function several(self, n, low, high)
+        class(random_stream_t), intent(inout) :: self
+        integer, intent(in) :: n
+        real(dp), intent(in) :: low, high
+        real(dp) :: several(n)
+        integer :: i
+        do i = 1, n
+            several(i) = self%between(low, high)
+        end do
+    end function several
+
+    !> The next number between two positive ones, uniform in its logarithm.
+    real(dp) function of_size(self, low, high)
+        class(random_stream_t), intent(inout) :: self
+        real(dp), intent(in) :: low, high
+        of_size = low * (high / low)**self%share()
+    end function of_size
 
     !> A number of either sign and of up to so many digits before or behind the point; one in 16 is zero,
     !> infinite or a NaN.

@@ -8,7 +8,7 @@ module runs
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_integration, only: integrate, outcome_t
     use spintop_methods, only: create_stepper
-    use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
     use spintop_quantities, only: kinetic_energy, potential_energy
     use spintop_status, only: status_ok
     use spintop_stepper, only: controls_t, counts_t, stepper_t
@@ -16,7 +16,7 @@ module runs
     implicit none
     private
     public :: controls_at, make_stepper, observe_motion, set_out, unit_body, run_t, propagate, propagate_from, reference_state
-    public :: smooth_body, smooth_start, prepare_smooth
+    public :: smooth_body, smooth_start, prepare_smooth, prepare_state, start_from, exact_start, advance_to
     public :: attitude_error, observed_order, flow, formulations_for, total_energy
 
     !> How a run ended.
@@ -30,9 +30,9 @@ module runs
 
 contains
 
-    !> Follows any body from its start by a method, at a tolerance or with so many steps, under a formulation
-    !> (`rigid_body`), and keeps what is seen at times; returns how the run ended.
-    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search) &
+    !> Follows any body from its start by a method, at a tolerance (0: its own) or with so many steps, under a formulation
+    !> (`rigid_body`), to the last of some times, and keeps what is seen at these; returns how the run ended.
+    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search, outcome) &
         result(status)
         character(*), intent(in) :: method
         type(body_t), intent(in) :: body
@@ -42,17 +42,20 @@ contains
         character(*), intent(in), optional :: form
         integer, intent(in), optional :: steps, project
         class(event_search_t), intent(inout), optional :: search
+        type(outcome_t), intent(out), optional :: outcome
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
-        type(outcome_t) :: outcome
+        type(outcome_t) :: own_outcome
         if (present(form)) then
             call create_formulation(form, formulation, body=body)
         else
             call create_formulation('rigid_body', formulation, body=body)
         end if
-        call make_stepper(method, stepper, steps, tolerance, project=project)
-        call integrate(formulation, stepper, body, start, maxval(times), times, seen, outcome, search)
-        status = outcome%status
+        call make_stepper(method, stepper, steps, project=project)
+        if (tolerance > 0) call make_stepper(method, stepper, steps, tolerance, project=project)
+        call integrate(formulation, stepper, body, start, maxval(times), times, seen, own_outcome, search)
+        status = own_outcome%status
+        if (present(outcome)) outcome = own_outcome
     end function observe_motion
 
     !> The method of that name, with its settings changed; `tolerance` is the relative and the absolute one.
@@ -89,6 +92,17 @@ contains
         call running%begin(status)
     end subroutine set_out
 
+    !> Goes on step by step up to a time or beyond, or until a step fails.
+    subroutine advance_to(running, t, status)
+        class(stepper_t), intent(inout) :: running
+        real(dp), intent(in) :: t
+        integer, intent(out) :: status
+        status = status_ok
+        do while (status == status_ok .and. running%t < t)
+            call running%advance(status)
+        end do
+    end subroutine advance_to
+
     !> Controls at a tolerance.
     pure type(controls_t) function controls_at(tolerance) result(controls)
         real(dp), intent(in) :: tolerance
@@ -122,10 +136,35 @@ contains
         character(*), intent(in) :: name
         class(formulation_t), allocatable, intent(out) :: formulation
         real(dp), intent(out) :: y(max_states)
-        integer :: status
-        call create_formulation(name, formulation)
-        call formulation%prepare(smooth_body(), smooth_start(), y, status)
+        call prepare_state(name, smooth_body(), smooth_start(), formulation, y)
     end subroutine prepare_smooth
+
+    !> A body under a formulation that takes it and its start.
+    subroutine prepare_state(name, body, start, formulation, y)
+        character(*), intent(in) :: name
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        class(formulation_t), allocatable, intent(out) :: formulation
+        real(dp), intent(out) :: y(max_states)
+        integer :: status
+        call create_formulation(name, formulation, body=body)
+        call formulation%prepare(body, start, y, status)
+        if (status /= status_ok) error stop 'runs: the formulation does not take the body or its start'
+    end subroutine prepare_state
+
+    !> A start from quaternion and angular velocity.
+    pure type(motion_t) function start_from(quaternion, omega) result(start)
+        real(dp), intent(in) :: quaternion(4), omega(3) !! attitude, and rad/s in body axes
+        start = motion_from_quaternion(0.0_dp, quaternion, omega, [0.0_dp, 0.0_dp, 0.0_dp])
+    end function start_from
+
+    !> The same, whose numbers are data without rounding.
+    pure type(motion_t) function exact_start(quaternion, omega) result(start)
+        real(dp), intent(in) :: quaternion(4), omega(3)
+        start = start_from(quaternion, omega)
+        start%gives_quaternion = .true.
+        start%gives_omega = .true.
+    end function exact_start
 
     !> Propagates the state `y` over `t_end` seconds, back if that is negative, or until it fails.
     type(run_t) function propagate(stepper, formulation, y, t_end) result(run)
@@ -149,6 +188,7 @@ contains
         running%formulation => formulation
         running%t = 0
         running%y = y
+        running%rest = 0
         running%t_end = t_end
         running%grid = 0
         running%counts = counts_t()

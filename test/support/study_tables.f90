@@ -5,13 +5,14 @@ module study_tables
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: read_table, table_t
     use spintop_study, only: options_t
+    use spintop_study_column, only: place_of, study_column_t
     use spintop_preparation, only: prepared_t
     use spintop_summary, only: summary_t
     use spintop_text, only: string_t
     use prepared_jobs, only: prepare, quiet_options, scratch_folder
     implicit none
     private
-    public :: study_result_t, run_input
+    public :: study_result_t, run_input, cell_in
 
     !> The result of a study.
     type :: study_result_t
@@ -59,6 +60,21 @@ contains
             result%summary = result%summary // summary%lines(i)%text // new_line('a')
         end do
     end subroutine run_input
+
+    !> The cell of a column in a line of a table, which has a cell for each; '(no row)' otherwise.
+    function cell_in(line, columns, name) result(cell)
+        character(*), intent(in) :: line, name
+        type(study_column_t), intent(in) :: columns(:)
+        character(:), allocatable :: cell
+        integer :: i
+        cell = '(no row)'
+        if (count([(line(i:i) == ',', i=1, len(line))]) /= size(columns) - 1) return
+        cell = line
+        do i = 2, place_of(columns, name)
+            cell = cell(index(cell, ',') + 1:)
+        end do
+        cell = cell(:scan(cell, ',' // new_line('a')) - 1)
+    end function cell_in
 
     !> The numbers of a column.
     function numbers(self, column) result(values)

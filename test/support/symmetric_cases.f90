@@ -4,11 +4,12 @@ module symmetric_cases
     use spintop_body, only: body_t
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_motion, only: motion_t, motion_from_angles
+    use spintop_nutation, only: find_nutation, nutation_t
     use spintop_status, only: is_ok
     use reference_rows, only: known_rows_t, read_reference
     implicit none
     private
-    public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, random_top
+    public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, nutation_of, random_top
 
     !> All the reference cases: to 30 digits, by elliptic functions and by Taylor series.
     character(*), parameter :: case_names(*) = [character(24) :: 'a1_slow_top', &
@@ -72,6 +73,15 @@ contains
         end if
         if (.not. is_ok(status)) error stop 'symmetric_cases: there is no exact motion'
     end function exact_of
+
+    !> The nutation of a body, where it must exist.
+    type(nutation_t) function nutation_of(body, start) result(nutation)
+        type(body_t), intent(in) :: body
+        type(motion_t), intent(in) :: start
+        integer :: status
+        call find_nutation(body, start, nutation, status)
+        if (.not. is_ok(status)) error stop 'symmetric_cases: there is no nutation'
+    end function nutation_of
 
     !> Body, start, and the time and attitude known of the top in a row of test/reference/random_tops.csv: time, quaternion,
     !> omega1, omega2.

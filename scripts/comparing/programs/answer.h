@@ -1,4 +1,4 @@
-/* The least time of several runs, as in scripts/comparing/answer.py, and the line of JSON that is printed. */
+/* The least time of several runs, as in scripts/comparing/answer.py, and the numbers that are written. */
 #ifndef SPINTOP_ANSWER_H
 #define SPINTOP_ANSWER_H
 
@@ -42,29 +42,23 @@ static double least_time(void (*run)(void *), void *what, clockid_t clock)
     return least;
 }
 
-/* Prints a state, the numbers of which are so far apart; ends the program where it is not finite. */
-static void print_state(const double *y, int states, int stride, int is_first)
+/* Writes a state, the numbers of which are so far apart; ends the program where it is not finite. */
+static void write_state(const double *y, int states, int stride)
 {
     for (int i = 0; i < states; ++i) {
         if (!isfinite(y[i * stride])) {
             fprintf(stderr, "the state is not finite\n");
             exit(1);
         }
-        printf("%s%.17g", i ? ", " : is_first ? "{\"states\": [[" : ", [", y[i * stride]);
+        fwrite(&y[i * stride], sizeof(double), 1, stdout);
     }
-    printf("]");
 }
 
-/* Prints the rest of the line; a count below zero is not known. */
-static void print_costs(double time_s, long steps, long rejected, long evaluations)
+/* Writes the time and the counts behind the states; NAN for one that is not known. */
+static void write_costs(double time_s, double steps, double rejected, double evaluations)
 {
-    const char *const names[] = {"steps", "rejected", "evaluations"};
-    const long counts[] = {steps, rejected, evaluations};
-    printf("], \"time_s\": %.9g", time_s);
-    for (int i = 0; i < 3; ++i)
-        if (counts[i] >= 0)
-            printf(", \"%s\": %ld", names[i], counts[i]);
-    printf("}\n");
+    const double costs[] = {time_s, steps, rejected, evaluations};
+    fwrite(costs, sizeof(double), 4, stdout);
 }
 
 #endif

@@ -1,5 +1,5 @@
 // Integrates the equations with a controlled stepper of Boost.odeint, at equal relative and absolute tolerance,
-// and prints the ends and the cost. Many bodies are integrated sixteen at a time as one system, whose states
+// and writes the ends and the cost. Many bodies are integrated sixteen at a time as one system, whose states
 // and constants lie side by side so that the compiler can use vectors.
 //
 // usage: odeint FORMULATION METHOD TOLERANCE T_END BODIES EVERY < NUMBERS
@@ -94,8 +94,8 @@ template <int states, int constants, rates_t rates, template <class> class metho
             return 2;
         const double time_s = least_time(run, this, lanes > 1 ? CLOCK_THREAD_CPUTIME_ID : CLOCK_MONOTONIC);
         for (int k = 0; k < bodies; k += every)
-            print_state(&blocks[k / lanes].y[k % lanes], states, lanes, k == 0);
-        print_costs(time_s, steps, -1, evaluations);
+            write_state(&blocks[k / lanes].y[k % lanes], states, lanes);
+        write_costs(time_s, static_cast<double>(steps), NAN, static_cast<double>(evaluations));
         return 0;
     }
 };

@@ -1,4 +1,4 @@
-/* Integrates the equations with CVODE of SUNDIALS, and prints the end and the cost.
+/* Integrates the equations with CVODE of SUNDIALS, and writes the end and the cost.
  *
  * usage: sundials FORMULATION METHOD TOLERANCE T_END 1 1 < NUMBERS
  *
@@ -96,7 +96,7 @@ static void prepare(struct problem *p, int formula, double tolerance, SUNContext
     }
 }
 
-/* Prints what the last run found and took. */
+/* Writes what the last run found and took. */
 static void report(const struct problem *p, double time_s)
 {
     long steps, evaluations, extra = 0, rejected = 0;
@@ -105,8 +105,8 @@ static void report(const struct problem *p, double time_s)
     check(CVodeGetNumErrTestFails(p->cvode, &rejected), "CVodeGetNumErrTestFails");
     if (CVodeGetNumLinRhsEvals(p->cvode, &extra) < 0)
         extra = 0; /* there is no linear solver */
-    print_state(N_VGetArrayPointer(p->y), p->states, 1, 1);
-    print_costs(time_s, steps, rejected, evaluations + extra);
+    write_state(N_VGetArrayPointer(p->y), p->states, 1);
+    write_costs(time_s, (double)steps, (double)rejected, (double)(evaluations + extra));
 }
 
 int main(int count, char **argument)

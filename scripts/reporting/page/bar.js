@@ -5,7 +5,7 @@ import { speedsFor } from "./player.js";
 import { inShort } from "./text.js";
 
 const TURN = 0.15; // rad a press
-const NEARER = 1.15;
+const NEARER = 1 / 1.15; // times the distance
 const OWN_KEYS = "select, button, input:not([type=range]), summary, a, pre";
 const MOVES_SLIDER = ["ArrowLeft", "ArrowRight", "ArrowUp", "ArrowDown", "Home", "End", "PageUp", "PageDown"];
 
@@ -19,17 +19,18 @@ export class Bar {
     this.parts = parts;
     this.player = player;
     parts.play.addEventListener("click", () => player.toggle());
-    parts.reset.addEventListener("click", () => stage.look("reset"));
+    const view = stage.controls;
+    parts.reset.addEventListener("click", () => view.reset());
     parts.speed.addEventListener("change", () => { player.speed = Number(parts.speed.value); });
     const actions = {
-      "+": () => stage.look("zoom", NEARER),
-      "=": () => stage.look("zoom", NEARER),
-      "-": () => stage.look("zoom", 1 / NEARER),
-      "0": () => stage.look("reset"),
-      "Shift+ArrowLeft": () => stage.look("turn", -TURN, 0),
-      "Shift+ArrowRight": () => stage.look("turn", TURN, 0),
-      "Shift+ArrowUp": () => stage.look("turn", 0, TURN),
-      "Shift+ArrowDown": () => stage.look("turn", 0, -TURN),
+      "+": () => view.dollyIn(NEARER),
+      "=": () => view.dollyIn(NEARER),
+      "-": () => view.dollyOut(NEARER),
+      "0": () => view.reset(),
+      "Shift+ArrowLeft": () => view.rotateLeft(TURN),
+      "Shift+ArrowRight": () => view.rotateLeft(-TURN),
+      "Shift+ArrowUp": () => view.rotateUp(TURN),
+      "Shift+ArrowDown": () => view.rotateUp(-TURN),
       ",": () => this.changeSpeed(-1),
       ".": () => this.changeSpeed(1),
       " ": () => player.toggle(),

@@ -2,6 +2,7 @@
 
 import { Quaternion, Vector3 } from "three";
 import { fromAngles, toAngles, turnAbout, twistOf } from "./attitude.js";
+import { omegaOf, ratesOf, symmetric, times } from "./dynamics/body.js";
 import { countUpTo, nearTo } from "./dynamics/numbers.js";
 
 const ANGLES = ["phi", "theta", "psi"];
@@ -53,14 +54,16 @@ export class Motion {
     this.countsTurns = "phi" in columns; // else phi and psi are within half a turn
     this.angles = sideBySide(columns, ANGLES) ?? Float64Array.from(this.attitudes.flatMap(toAngles));
     this.rates = sideBySide(columns, RATES);
-    this.omega = sideBySide(columns, OMEGA) ?? this.#findOmega();
-    this.rates ??= this.#findRates();
+    this.omega = sideBySide(columns, OMEGA)
+      ?? (this.rates && this.countsTurns ? this.#rowByRow(omegaOf, this.angles, this.rates) : null);
+    this.rates ??= this.omega && this.#rowByRow((angles, omega) => ratesOf(angles, omega, UPRIGHT), this.angles, this.omega);
     this.energies = sideBySide(columns, ENERGIES);
     this.spins = this.#findSpins();
+    const tensor = facts.body && symmetric(facts.body.inertia, facts.body.products);
     /** In space axes: support force, angular momentum about the pivot, angular velocity. */
     this.vectors = {
       force: sideBySide(columns, FORCE),
-      momentum: this.omega && facts.body ? this.#inSpace(this.#findMomentum()) : null,
+      momentum: this.omega && tensor ? this.#inSpace(this.#rowByRow((omega) => times(tensor, omega), this.omega)) : null,
       omega: this.omega && this.#inSpace(this.omega),
     };
   }
@@ -75,51 +78,16 @@ export class Motion {
     return Array.from(phi, (_, i) => fromAngles(phi[i], theta[i], psi[i]));
   }
 
-  /** Angular velocity in body axes, from the rates of the angles. */
-  #findOmega() {
-    if (!this.rates || !this.countsTurns) return null;
-    const { angles, rates } = this;
+  /** A table of three numbers to a row, by a function of the rows of others. */
+  #rowByRow(of, ...tables) {
     const table = new Float64Array(3 * this.count);
-    for (let i = 0; i < table.length; i += 3) {
-      const [, theta, psi] = angles.subarray(i, i + 3);
-      const [phiRate, thetaRate, psiRate] = rates.subarray(i, i + 3);
-      const [s, c, across] = [Math.sin(psi), Math.cos(psi), phiRate * Math.sin(theta)];
-      table.set([across * s + thetaRate * c, across * c - thetaRate * s, phiRate * Math.cos(theta) + psiRate], i);
-    }
-    return table;
-  }
-
-  /** Rates of the angles from the angular velocity; nan where phi and psi do not exist apart. */
-  #findRates() {
-    if (!this.omega) return null;
-    const table = new Float64Array(3 * this.count);
-    for (let i = 0; i < table.length; i += 3) {
-      const [, theta, psi] = this.angles.subarray(i, i + 3);
-      const [x, y, z] = this.omega.subarray(i, i + 3);
-      const [s, c] = [Math.sin(psi), Math.cos(psi)];
-      const phiRate = Math.sin(theta) < UPRIGHT ? NaN : (x * s + y * c) / Math.sin(theta);
-      table.set([phiRate, x * c - y * s, z - phiRate * Math.cos(theta)], i);
-    }
+    for (let i = 0; i < table.length; i += 3) table.set(of(...tables.map((one) => one.subarray(i, i + 3)), i / 3), i);
     return table;
   }
 
   /** Vectors in space axes, of vectors in body axes. */
   #inSpace(vectors) {
-    const table = new Float64Array(3 * this.count);
-    this.attitudes.forEach((attitude, i) => {
-      vectorAt(vectors, i).applyQuaternion(attitude).toArray(table, 3 * i);
-    });
-    return table;
-  }
-
-  /** Angular momentum about the pivot in body axes. */
-  #findMomentum() {
-    const { omega, body: { inertia, products } } = this;
-    return omega.map((rate, i) => {
-      const [first, k] = [i - (i % 3), i % 3];
-      const [next, last] = [(k + 1) % 3, (k + 2) % 3];
-      return inertia[k] * rate + products[last] * omega[first + next] + products[next] * omega[first + last];
-    });
+    return this.#rowByRow((_, row) => vectorAt(vectors, row).applyQuaternion(this.attitudes[row]).toArray(), vectors);
   }
 
   /**

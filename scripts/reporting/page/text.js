@@ -56,9 +56,14 @@ export function decimalsFor(size, figures = 6) {
   return Math.min(Math.max(figures - 1 - Math.floor(Math.log10(size || 1)), 0), 9);
 }
 
+/** A number in words, as a function writes it; a dash where there is none. */
+export function orDash(value, write) {
+  return Number.isFinite(value) ? write(value) : NOTHING;
+}
+
 /** A number with so many decimals; a dash where there is none. */
 export function withDecimals(value, decimals) {
-  return Number.isFinite(value) ? minus(value.toFixed(decimals)) : NOTHING;
+  return orDash(value, () => minus(value.toFixed(decimals)));
 }
 
 /** Numbers as texts, filled up so that their decimal points are one above the other. */
@@ -100,4 +105,10 @@ export function accountOf(motion) {
 export function momentOf({ time, angles }) {
   const [phi, theta, psi] = angles.map((angle) => inDegrees(angle, 1));
   return `t ${inShort(time)} seconds, phi ${phi}, theta ${theta}, psi ${psi}`;
+}
+
+/** Put a copy of a template in an element; what of it has a `data-part`, by these names. */
+export function fillIn(element, template) {
+  element.append(template.content.cloneNode(true));
+  return Object.fromEntries([...element.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]));
 }

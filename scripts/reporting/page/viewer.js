@@ -6,7 +6,7 @@ import { Player } from "./player.js";
 import { Plot, forgetColours } from "./plot.js";
 import { Readout } from "./readout.js";
 import { Stage } from "./stage/stage.js";
-import { accountOf, inShort, momentOf } from "./text.js";
+import { accountOf, fillIn, inShort, momentOf } from "./text.js";
 
 const QUIET = 600; // ms without a change before it is announced
 const NEAR = "300px"; // tops that far from the screen are prepared
@@ -22,11 +22,8 @@ export class Viewer {
   constructor(section, motion, peers) {
     this.motion = motion;
     this.section = section;
-    section.append(document.getElementById("top").content.cloneNode(true));
-    this.parts = Object.fromEntries(
-      [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
-    );
-    const { parts } = this;
+    const parts = fillIn(section, document.getElementById("top"));
+    this.parts = parts;
     this.readout = new Readout(parts, motion);
     this.stage = new Stage(parts.stage, { calm: matchMedia("(prefers-reduced-motion: reduce)").matches });
     this.player = new Player(motion.start, motion.end, () => this.#update());

@@ -8,7 +8,11 @@
 #define attitude_room (3 * half)
 #define has_registers 1
 #define most_turned many_rows
+#if defined(__AVX512F__)
+#define pairs_for far_unrolled_for
+#else
 #define pairs_for unrolled_for
+#endif
 #define is_many 0
 
 typedef double num;
@@ -41,12 +45,12 @@ inlined num sum_of(vec a) { return a[0] + (a[1] + a[2]); }
 inlined num power_of(num s, num b) { return b < 0.5 || b > 0.5 ? pow(s, b) : sqrt(s); }
 inlined void find_circle(num x, num *cosine, num *sine) { *cosine = cos(x), *sine = sin(x); }
 
-// q' = q (0, w)/2. The spare numbers of the products sum up to -2 q0'.
-inlined void store_attitude(double *row, num real, vec q) {
-    const vec none = {real}, all = shuffle(q, none, 0, 1, 2, 4), own = shuffle(all, all, 3, 3, 3, 2);
-    const vec next = shuffle(all, all, 1, 2, 0, 0), last = shuffle(all, all, 2, 0, 1, 1) * (vec){1, 1, 1, -1};
+// q' = q (0, w)/2, with q0 behind q1 to q3. The spare numbers of the products sum up to -2 q0'.
+inlined void store_all(double *row, vec all) {
+    const vec own = shuffle(all, all, 3, 3, 3, 2), next = shuffle(all, all, 1, 2, 0, 0), last = shuffle(all, all, 2, 0, 1, 1);
     put_half(row, &own), put_half(row + half, &next), put_half(row + 2 * half, &last);
 }
+inlined void store_attitude(double *row, num real, vec q) { store_all(row, (vec){q[0], q[1], q[2], real}); }
 inlined void begin_attitude(double *now) { (void)now; }
 inlined void add_attitude(attitude_sums *s, const double *older, const double *newer) {
     const double *q = older + 2 * room;
@@ -54,10 +58,10 @@ inlined void add_attitude(attitude_sums *s, const double *older, const double *n
     s->last += get_half(q + 2 * half) * get_half(newer + half);
 }
 inlined void append_attitude(const attitude_sums *sum, num inverse, struct share s, double *now, double *next) {
-    const vec rate = (vec){0.5, 0.5, 0.5, -0.5} * (sum->first + (sum->next - sum->last)), value = s.first * rate;
-    const vec q = s.is_sum ? value + s.rest * rate : value;
+    const vec all = sum->first + (sum->next + (vec){-1, -1, -1, 1} * sum->last), halved = {0.5, 0.5, 0.5, -0.5};
+    const vec value = s.first * halved * all;
     (void)inverse, (void)now;
-    store_attitude(next + 2 * room, q[3], q);
+    store_all(next + 2 * room, s.is_sum ? value + s.rest * halved * all : value);
 }
 // Quaternion and momentum.
 inlined void put_state(double *state, const double *now, vec momentum) {

@@ -420,9 +420,10 @@ inlined void NAME(append)(const struct motion_kinds *has, int joins, int k, int 
     if (has->torque == along) torque = add(torque, by(number(torque_space[2]), g));
     if (has->push == along) push = add(push, sum.push);
     // Sums with what a body has not would be computed: a zero is no number that a compiler may leave out.
-    vec lift = by(number(gravity), g);
-    if (has->push) lift = add(lift, push);
-    vec rate = sub(sub(mul(ahead(lift), constant(pull)), mul(behind(lift), constant(swing))), mul(w, constant(decay)));
+    vec lift = by(number(gravity), g), lift_ahead = by(number(gravity), load_ahead(at(NAME(g), k)));
+    vec lift_behind = by(number(gravity), load_behind(at(NAME(g), k)));
+    if (has->push) lift = add(lift, push), lift_ahead = ahead(lift), lift_behind = behind(lift);
+    vec rate = sub(sub(mul(lift_ahead, constant(pull)), mul(lift_behind, constant(swing))), mul(w, constant(decay)));
     if (has->rotor) {
         const vec ahead_of = mul(load_constant(of->rotor[0] + lane), behind(all));
         rate = add(rate, sub(ahead_of, mul(load_constant(of->rotor[1] + lane), ahead(all))));

@@ -109,6 +109,7 @@ module spintop_sweep_quantities
         logical :: is_largest
     end type extreme_t
 
+    !> The columns that are extremes.
     type(extreme_t), parameter :: extremes(*) = [ &
         extreme_t(at_com_z_min, of_lowest, watch_centre_height, .false.), &
         extreme_t(at_theta_rate_max, of_nutation_rate, watch_nutation_rate, .true.), &

@@ -35,7 +35,7 @@ export function makeBody({
 }
 
 /** A symmetric matrix as three rows, from its elements 11, 22, 33 and 23, 31, 12. */
-function symmetric([a, b, c], [p, q, r]) {
+export function symmetric([a, b, c], [p, q, r]) {
   return [[a, r, q], [r, b, p], [q, p, c]];
 }
 
@@ -63,14 +63,27 @@ export function cross([a, b, c], [x, y, z]) {
 
 /** A start from angles and rates; `omega3` is the angular velocity about body z. */
 export function startFromAngles({ phi = 0, theta, psi = 0, phiRate = 0, thetaRate = 0, omega3 }) {
-  const across = phiRate * Math.sin(theta);
-  const [c, s] = [Math.cos(psi), Math.sin(psi)];
+  const angle = [phi, theta, psi];
+  const [omega1, omega2] = omegaOf(angle, [phiRate, thetaRate, 0]);
   return {
-    angle: [phi, theta, psi],
-    quaternion: quaternionFromAngles([phi, theta, psi]),
-    omega: [across * s + thetaRate * c, across * c - thetaRate * s, omega3],
+    angle,
+    quaternion: quaternionFromAngles(angle),
+    omega: [omega1, omega2, omega3],
     phiRate,
   };
+}
+
+/** The angular velocity in body axes, from the angles and their rates. */
+export function omegaOf([, theta, psi], [phiRate, thetaRate, psiRate]) {
+  const [c, s, across] = [Math.cos(psi), Math.sin(psi), phiRate * Math.sin(theta)];
+  return [across * s + thetaRate * c, across * c - thetaRate * s, phiRate * Math.cos(theta) + psiRate];
+}
+
+/** phi', theta', psi' from the angles and the angular velocity; NaN nearer to a pole, as a sine, than it says. */
+export function ratesOf([, theta, psi], [u, v, w], pole) {
+  const [c, s, sine] = [Math.cos(psi), Math.sin(psi), Math.sin(theta)];
+  const precession = sine > pole ? (u * s + v * c) / sine : NaN;
+  return [precession, u * c - v * s, w - precession * Math.cos(theta)];
 }
 
 /** Unit quaternion of the angles. */

@@ -4,7 +4,7 @@
 //     const motion = new Motion(body, start);
 //     const { angle, rate, omega, quaternion } = motion.at(t);
 
-import { cross, times, toSpace } from "./body.js";
+import { cross, ratesOf, times, toSpace } from "./body.js";
 import { countUpTo, nearTo } from "./numbers.js";
 import { ROWS, Series, loadAt, reachOf, torqueOf, valueAt } from "./series.js";
 
@@ -156,7 +156,7 @@ export class Motion {
     const load = loadAt(body, t);
     return {
       t, angle, quaternion, omega,
-      rate: this.isPlane ? [0, omega[0], 0] : ratesOf(angle, omega),
+      rate: this.isPlane ? [0, omega[0], 0] : ratesOf(angle, omega, AT_POLE),
       axis: toSpace(quaternion, [0, 0, 1]),
       omegaSpace: toSpace(quaternion, omega),
       momentum: toSpace(quaternion, momentum),
@@ -187,14 +187,6 @@ function accelerationOf(body, time, { quaternion, momentum, omega }) {
   const torque = torqueOf(body, time, quaternion, momentum, omega);
   const speed = body.friction && norm(omega);
   return times(body.inverse, speed > 0 ? torque.map((value, k) => value - (body.friction * omega[k]) / speed) : torque);
-}
-
-/** phi', theta', psi' from the angles and the angular velocity. */
-function ratesOf([, theta, psi], [u, v, w]) {
-  const [c, s] = [Math.cos(psi), Math.sin(psi)];
-  const sine = Math.sin(theta);
-  const precession = sine > AT_POLE ? (u * s + v * c) / sine : NaN;
-  return [precession, u * c - v * s, w - precession * Math.cos(theta)];
 }
 
 /**

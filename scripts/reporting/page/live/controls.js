@@ -1,6 +1,6 @@
 // Sliders and boxes of the parameters. A slider and a box show one number; both write it.
 
-import { inBox } from "../text.js";
+import { fillIn, inBox } from "../text.js";
 import { say } from "./language.js";
 import { NUMBERS, refusal, resolve } from "./scene.js";
 import { readQuantity } from "./units.js";
@@ -22,24 +22,20 @@ export class Control {
     this.name = name;
     const { symbol, unit, log } = NUMBERS[name];
     const words = say(`number_${name}`);
-    this.isLog = Boolean(log);
     const id = `${prefix}-${name}`;
-    this.element = document.createElement("div");
-    this.element.className = "control";
+    this.isLog = Boolean(log);
+    this.element = Object.assign(document.createElement("div"), { className: "control" });
     this.element.dataset.name = name;
-    const label = Object.assign(document.createElement("label"), { htmlFor: id });
-    const sign = Object.assign(document.createElement("i"), { textContent: symbol });
-    label.append(sign, ` ${words}`);
-    this.slider = Object.assign(document.createElement("input"), { type: "range", min: 0, max: STEPS, step: 1 });
+    const parts = fillIn(this.element, document.getElementById("control"));
+    Object.assign(this, parts); // slider, box, tick, fault
+    parts.title.htmlFor = id;
+    parts.symbol.textContent = symbol;
+    parts.words.textContent = words;
+    parts.unit.textContent = unit;
+    this.box.id = id;
+    this.fault.id = `${id}-fault`;
+    this.slider.max = STEPS;
     this.slider.setAttribute("aria-label", `${words}${unit ? `, ${unit}` : ""}`);
-    this.box = Object.assign(document.createElement("input"), { type: "text", id });
-    this.box.autocomplete = "off";
-    const units = Object.assign(document.createElement("span"), { className: "unit", textContent: unit });
-    this.track = Object.assign(document.createElement("div"), { className: "track" });
-    this.tick = Object.assign(document.createElement("i"), { className: "tick", hidden: true });
-    this.track.append(this.slider, this.tick);
-    this.fault = Object.assign(document.createElement("p"), { className: "fault", id: `${id}-fault`, hidden: true });
-    this.element.append(label, this.box, units, this.track, this.fault);
     this.slider.addEventListener("input", () => this.#slide());
     this.box.addEventListener("change", () => this.#type());
   }
@@ -58,9 +54,7 @@ export class Control {
   }
 
   set(value) {
-    this.value = value;
-    this.box.value = inBox(value);
-    this.#say("");
+    this.#write(value);
     this.#put(value);
   }
 
@@ -89,19 +83,21 @@ export class Control {
       else [this.low, this.high] = [Math.min(this.low, value), Math.max(this.high, value)];
     }
     this.slider.value = Math.round(STEPS * Math.min(Math.max(this.#partOf(value), 0), 1));
+  }
+
+  /** Have the box and those who do not see the slider told the value; the title is for a box that is too narrow. */
+  #write(value) {
+    this.value = value;
+    this.box.value = this.box.title = inBox(value);
     this.slider.setAttribute("aria-valuetext", `${inBox(value)} ${NUMBERS[this.name].unit}`);
-    this.box.title = inBox(value); // where the box is too narrow
+    this.#say("");
   }
 
   #slide() {
     const part = Number(this.slider.value) / STEPS;
     const exact = this.isLog ? this.low * (this.high / this.low) ** part : this.low + part * (this.high - this.low);
     const value = Number(exact.toPrecision(5));
-    this.value = Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value;
-    this.box.value = inBox(this.value);
-    this.box.title = this.box.value;
-    this.slider.setAttribute("aria-valuetext", `${inBox(this.value)} ${NUMBERS[this.name].unit}`);
-    this.#say("");
+    this.#write(Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value);
     this.onChange(this.name, this.value);
   }
 
@@ -137,17 +133,15 @@ export function suitRanges(controls, state) {
     friction: 0.1 * largest * natural ** 2, amplitude: 0.3 * reach, vibration_rate: 40 * natural,
   };
   for (const [name, most] of Object.entries(losses)) controls[name].setRange(0, roundUp(Math.max(most, state[name])));
-  for (const name of ["centre_x", "centre_y", "centre_z", "product23", "product31", "product12"]) {
-    const most = roundUp(Math.max(name.startsWith("centre") ? reach : 0.3 * largest, Math.abs(state[name])));
+  const setSymmetric = (name, ...values) => {
+    const most = roundUp(Math.max(...values.map(Math.abs)));
     controls[name].setRange(-most, most);
-  }
-  const symmetric = (...values) => {
-    const most = roundUp(Math.max(...values.map(Math.abs), 1e-3));
-    return [-most, most];
   };
+  for (const name of ["centre_x", "centre_y", "centre_z"]) setSymmetric(name, reach, state[name]);
+  for (const name of ["product23", "product31", "product12"]) setSymmetric(name, 0.3 * largest, state[name]);
   const spin = roundUp(Math.max(1.6 * threshold, 1.5 * Math.abs(state.omega3), 1));
   controls.omega3.setRange(state.omega3 < 0 ? -spin : 0, spin);
   const fast = state.precession === "fast" ? 1.2 * (roots[1] ?? 0) : 0;
-  controls.phi_rate.setRange(...symmetric(1.2 * natural, 1.5 * state.phi_rate, fast));
-  controls.theta_rate.setRange(...symmetric(2 * natural, 1.5 * state.theta_rate));
+  setSymmetric("phi_rate", 1.2 * natural, 1.5 * state.phi_rate, fast, 1e-3);
+  setSymmetric("theta_rate", 2 * natural, 1.5 * state.theta_rate, 1e-3);
 }

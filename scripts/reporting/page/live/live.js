@@ -5,6 +5,7 @@ import { Vector3 } from "three";
 import { Bar } from "../bar.js";
 import { Player } from "../player.js";
 import { forgetColours } from "../plot.js";
+import { fillIn } from "../text.js";
 import { Charts } from "./charts.js";
 import { Control, suitRanges } from "./controls.js";
 import { Grip } from "./grip.js";
@@ -20,7 +21,6 @@ const QUIET = 500; // ms without a change before it is announced and the link ho
 const PLOTS = ["theta", "phi", "psi", "energy"];
 const PARTS = { step: 1 / 200, page: 1 / 10, end: 1 }; // of the span that keys go
 const STILL = [1920, 1080]; // pixels of a picture
-const LABELLED = ["preset", "shape", "precession", "speed", "second_look", "differs"];
 let made = 0;
 
 /** The time of so many nutations of a state, s; of a motion that has none, as many seconds. */
@@ -43,11 +43,8 @@ export class LiveTop {
     made += 1;
     this.section = section;
     this.ownsLink = ownsLink;
-    section.append(template.content.cloneNode(true));
+    this.parts = fillIn(section, template);
     fillWords(section);
-    this.parts = Object.fromEntries(
-      [...section.querySelectorAll("[data-part]")].map((part) => [part.dataset.part, part]),
-    );
     this.isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.clock = new Player(0, 1, () => {
       this.bar.show();
@@ -89,10 +86,6 @@ export class LiveTop {
       control.onChange = (key, value) => this.change({ [key]: value });
       this.controls[name] = control;
       parts[NUMBERS[name].part].append(control.element);
-    }
-    for (const part of LABELLED) {
-      parts[part].id = `${prefix}-${part}`;
-      this.section.querySelector(`label[data-for=${part}]`).htmlFor = parts[part].id;
     }
     this.second = new Second(this, prefix);
   }

@@ -1,6 +1,6 @@
 // The panel of a live top: what its motion is, in words and numbers, and the readings of a moment.
 
-import { inDegrees, inFigures, inShort } from "../text.js";
+import { inDegrees, inFigures, inShort, orDash } from "../text.js";
 import { say } from "./language.js";
 import { numbersOf } from "./scene.js";
 
@@ -52,8 +52,8 @@ function factsOf(track) {
     const isPlane = ["libration", "circulation"].includes(motionClass);
     facts.push(
       [say(isPlane ? "period" : "nutation_period"), Number.isFinite(period) ? `${inShort(period)} s` : say("infinite")],
-      [say("precession_per_nutation"), Number.isFinite(precession) && !isPlane ? inDegrees(precession, 2) : "–"],
-      [say("largest_precession"), Number.isFinite(phiRateMax) ? `${inShort(phiRateMax)} rad/s` : "–"],
+      [say("precession_per_nutation"), orDash(isPlane ? NaN : precession, (angle) => inDegrees(angle, 2))],
+      [say("largest_precession"), orDash(phiRateMax, (rate) => `${inShort(rate)} rad/s`)],
     );
   } else {
     const [first, last] = [energy[0], energy.at(-1)];
@@ -80,12 +80,11 @@ export function fillPanel({ parts, track, controls, state, second }) {
   parts.class.textContent = name;
   parts.meaning.textContent = meaning;
   parts.sleep.textContent = sleepOf(track);
-  const facts = factsOf(track);
-  while (parts.facts.children.length > facts.length) parts.facts.lastChild.remove();
-  facts.forEach(([term, value], i) => {
-    const row = parts.facts.children[i] ?? parts.facts.appendChild(newFact());
-    [row.firstChild.textContent, row.lastChild.textContent] = [term, value];
-  });
+  parts.facts.replaceChildren(...factsOf(track).map((fact) => {
+    const row = document.createElement("div");
+    row.append(...["dt", "dd"].map((tag, k) => Object.assign(document.createElement(tag), { textContent: fact[k] })));
+    return row;
+  }));
   const isSteady = state.precession !== "given";
   for (const key of ["phi_rate", "theta_rate"]) controls[key].setDisabled(isSteady);
   if (isSteady) {
@@ -99,19 +98,12 @@ export function fillPanel({ parts, track, controls, state, second }) {
   for (const [key, { element }] of Object.entries(controls)) element.hidden = !names.includes(key);
 }
 
-function newFact() {
-  const row = document.createElement("div");
-  row.append(document.createElement("dt"), document.createElement("dd"));
-  return row;
-}
-
 /** The readings of a moment. */
 export function showMoment(parts, moment, track) {
   parts.t.textContent = `${inFigures(moment.t)} s`;
   ["phi", "theta", "psi"].forEach((name, k) => {
     parts[name].textContent = inDegrees(moment.angle[k], 2);
-    const rate = moment.rate[k];
-    parts[`${name}_rate_now`].textContent = Number.isFinite(rate) ? inShort(rate) : "–";
+    parts[`${name}_rate_now`].textContent = orDash(moment.rate[k], inShort);
   });
   for (const name of ["kinetic", "potential"]) parts[name].textContent = `${inShort(moment[name])} J`;
   parts.energy.textContent = `${inShort(moment.kinetic + moment.potential)} J`;

@@ -117,9 +117,7 @@ function massOf(state) {
     const products = shape === "tensor" ? PRODUCTS.map((name) => state[name]) : [0, 0, 0];
     return { mass, inertia: [inertia1, inertia2, inertia3], products, centre: [x, y, z] };
   }
-  const { radius, thickness, density } = state;
-  const size = { radius, thickness, innerRadius: state.inner_radius, rodLength: state.rod_length };
-  return buildShape(shape, size, density);
+  return buildShape(state);
 }
 
 /** The damping about the three axes. */
@@ -188,37 +186,37 @@ export function inputOf(state) {
   const { body, phiRate, thetaRate } = resolve(state);
   const number = (value) => (Number.isInteger(value) ? `${value}.0` : String(value));
   const list = (values) => values.map(number).join(", ");
+  const key = (name, ...values) => `${name} = ${list(values)}`;
   const needs = SHAPES[state.shape];
-  const sizes = needs.filter((name) => !name.startsWith("damping"));
-  const [p, q, r] = body.products;
-  const mass = [`mass = ${number(body.mass)}`, `inertia = ${list(body.inertia)}`];
-  const centre = `centre_of_mass = ${list(body.centre)}`;
-  const [a, b, c] = body.inertia;
+  const [[a, b, c], [p, q, r]] = [body.inertia, body.products];
+  const centre = key("centre_of_mass", ...body.centre);
+  const moments = [key("mass", body.mass), key("inertia", a, b, c)];
   const top = {
-    inertia: [...mass, `length = ${number(body.centre[2])}`],
-    body: [...mass, centre],
+    inertia: [...moments, key("length", body.centre[2])],
+    body: [...moments, centre],
     tensor: [
-      mass[0], `inertia_tensor(1,:) = ${list([a, r, q])}`, `inertia_tensor(2,2:3) = ${list([b, p])}`,
-      `inertia_tensor(3,3) = ${number(c)}`, centre,
+      moments[0], key("inertia_tensor(1,:)", a, r, q), key("inertia_tensor(2,2:3)", b, p), key("inertia_tensor(3,3)", c), centre,
     ],
-  }[state.shape] ?? [`shape = '${state.shape}'`, ...sizes.map((name) => `${name} = ${number(state[name])}`)];
-  top.push(`gravity = ${number(state.gravity)}`);
-  if (body.damping.some(Boolean)) top.push(`damping = ${list(body.damping)}`);
-  const start = [["theta_deg", state.theta], ["omega3", state.omega3]];
-  if (needs.includes("psi") && state.psi !== 0) start.push(["psi_deg", state.psi]);
-  if (phiRate !== 0) start.push(["phi_rate", phiRate]);
-  if (thetaRate !== 0) start.push(["theta_rate", thetaRate]);
-  const effects = [];
-  if (body.friction) effects.push(`friction_torque = ${number(body.friction)}`);
+  }[state.shape] ?? [
+    `shape = '${state.shape}'`,
+    ...needs.filter((name) => !name.startsWith("damping")).map((name) => key(name, state[name])),
+  ];
+  top.push(key("gravity", state.gravity));
+  if (body.damping.some(Boolean)) top.push(key("damping", ...body.damping));
+  const start = [key("theta_deg", state.theta), key("omega3", state.omega3)];
+  if (needs.includes("psi") && state.psi !== 0) start.push(key("psi_deg", state.psi));
+  if (phiRate !== 0) start.push(key("phi_rate", phiRate));
+  if (thetaRate !== 0) start.push(key("theta_rate", thetaRate));
+  const effects = body.friction ? [key("friction_torque", body.friction)] : [];
   if (body.isVibrated) {
-    effects.push(`vibration_amplitude = ${list([0, 0, body.amplitude])}`, `vibration_rate = ${number(body.vibrationRate)}`);
+    effects.push(key("vibration_amplitude", 0, 0, body.amplitude), key("vibration_rate", body.vibrationRate));
   }
   const group = (name, lines) => `&${name}\n${lines.map((line) => `    ${line}\n`).join("")}/\n`;
   return [
     group("study", [`title = '${say("input_title")}'`]),
     group("top", top),
-    group("initial", start.map(([name, value]) => `${name} = ${number(value)}`)),
-    group("span", [`t_end = ${number(state.t_end)}`]),
+    group("initial", start),
+    group("span", [key("t_end", state.t_end)]),
     ...(effects.length ? [group("effects", effects)] : []),
   ].join("\n");
 }

@@ -3,6 +3,7 @@
 import { times } from "../dynamics/body.js";
 import { Motion } from "../dynamics/motion.js";
 import { describeNutation } from "../dynamics/nutation.js";
+import { buildShape } from "../dynamics/shapes.js";
 import { extremesOf } from "../plot.js";
 import { say } from "./language.js";
 import { resolve } from "./scene.js";
@@ -76,17 +77,7 @@ export class Track {
   }
 }
 
-const BODY_Z = [0, 0, 1];
 const THINNEST = 0.04; // no solid is drawn thinner than this part of its largest extent
-const DRAWN = {
-  spinning_wheel: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
-  ring: (s) => ({
-    kind: "ring", radius: s.radius, inner: s.inner_radius, height: s.thickness,
-  }),
-  sphere: (s) => ({ kind: "sphere", radius: s.radius }),
-  cylinder: (s) => ({ kind: "cylinder", radius: s.radius, height: s.thickness }),
-  cone: (s) => ({ kind: "cone", radius: s.radius, height: s.thickness }),
-};
 
 /**
  * The body of a state as the stage draws it, and what to say of it: the shape, or for mass properties the
@@ -94,21 +85,17 @@ const DRAWN = {
  */
 export function drawingOf(state, body) {
   const place = body.centre;
-  const axes = [1, 0, 0, 0, 1, 0, 0, 0, 1];
-  const made = (solid, label) => ({
-    body: { centre: place, axis: BODY_Z, solids: solid ? [{ ...solid, axes, place }] : [] }, label,
-  });
-  if (DRAWN[state.shape]) {
-    const solid = DRAWN[state.shape](state);
-    if (solid.height < THINNEST * solid.radius) solid.height = THINNEST * solid.radius;
-    return made(solid, "");
-  }
+  const own = { axes: [1, 0, 0, 0, 1, 0, 0, 0, 1], place };
+  const made = (solid, label) => ({ body: { centre: place, axis: [0, 0, 1], solids: [{ ...solid, ...own }] }, label });
+  const { solid } = buildShape(state) ?? {};
+  if (solid?.height < THINNEST * solid?.radius) solid.height = THINNEST * solid.radius;
+  if (solid) return made(solid, "");
   const { mass, inertia, centre: [x, y, z] } = body;
   const central = [inertia[0] - mass * (y * y + z * z), inertia[1] - mass * (z * z + x * x), inertia[2] - mass * (x * x + y * y)];
   const [a, b, c] = central;
   const exists = Math.min(a + b - c, b + c - a, c + a - b) >= -1e-12 * Math.max(...inertia);
-  const solid = solidOf(mass, exists ? central : inertia);
-  return made(solid, say(exists ? "drawn" : "drawn_otherwise", { solid: say(nameOf(solid)) }));
+  const equal = solidOf(mass, exists ? central : inertia);
+  return made(equal, say(exists ? "drawn" : "drawn_otherwise", { solid: say(nameOf(equal)) }));
 }
 
 /** The homogeneous cylinder with two equal moments across its axis, or the cuboid with three. */

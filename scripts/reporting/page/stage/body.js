@@ -7,33 +7,14 @@
 //   cone       radius, height; apex below     sphere   radius
 //   cuboid     edges
 
-import {
-  BackSide,
-  BoxGeometry,
-  BufferGeometry,
-  ConeGeometry,
-  CylinderGeometry,
-  EdgesGeometry,
-  FrontSide,
-  Group,
-  LatheGeometry,
-  Line,
-  LineBasicMaterial,
-  LineSegments,
-  Matrix4,
-  Mesh,
-  MeshLambertMaterial,
-  SphereGeometry,
-  Vector2,
-  Vector3,
-} from "three";
+import * as THREE from "three";
 
 const SECTORS = 8; // by which one sees a solid of revolution turn
 const STEPS = 12; // of a sector
 const ARC = 24; // pieces of half a circle
 const SHARP = 30; // degrees between faces with an edge
 const TURN = 2 * Math.PI;
-const UP = new Vector3(0, 1, 0); // the axis of three's cylinders
+const UP = new THREE.Vector3(0, 1, 0); // the axis of three's cylinders
 const SOLID = { opacity: 0.4, wire: 0.75, rod: 0.01 };
 const GHOST = { opacity: 0.14, wire: 0.6, rod: 0.007 };
 const HEAD = 0.1; // length of the head of an arrow, of the way from the pivot to the tip
@@ -53,14 +34,14 @@ const OUTLINES = {
 /** The surface of a solid in its own axes, with a group for each colour: the marked one (0), even and odd ones. */
 function surfaceOf(solid) {
   if (solid.kind === "cuboid") {
-    const box = new BoxGeometry(...solid.edges);
+    const box = new THREE.BoxGeometry(...solid.edges);
     box.groups.forEach((group, side) => { group.materialIndex = side >> 1; });
     return box;
   }
-  const outline = OUTLINES[solid.kind](solid).map(([radius, height]) => new Vector2(radius, height));
+  const outline = OUTLINES[solid.kind](solid).map(([radius, height]) => new THREE.Vector2(radius, height));
   // A corner that is there twice is an edge.
   const points = solid.kind === "sphere" ? outline : outline.flatMap((corner) => [corner, corner]).slice(1, -1);
-  const surface = new LatheGeometry(points, SECTORS * STEPS).rotateX(Math.PI / 2);
+  const surface = new THREE.LatheGeometry(points, SECTORS * STEPS).rotateX(Math.PI / 2);
   const count = surface.index.count / SECTORS;
   for (let i = 0; i < SECTORS; i += 1) surface.addGroup(i * count, count, i && 1 + (i % 2));
   return surface;
@@ -68,8 +49,8 @@ function surfaceOf(solid) {
 
 /** From a solid's own axes and centre to body axes. */
 function frameOf({ axes, place }) {
-  const [x, y, z] = [0, 3, 6].map((i) => new Vector3().fromArray(axes, i));
-  return new Matrix4().makeBasis(x, y, z).setPosition(...place);
+  const [x, y, z] = [0, 3, 6].map((i) => new THREE.Vector3().fromArray(axes, i));
+  return new THREE.Matrix4().makeBasis(x, y, z).setPosition(...place);
 }
 
 const measured = new WeakMap();
@@ -84,13 +65,13 @@ export function measure(body) {
 }
 
 function measureAnew(body) {
-  const axis = new Vector3(...body.axis);
+  const axis = new THREE.Vector3(...body.axis);
   const rims = new Map();
   let [reach, top] = [Math.hypot(...body.centre), Math.hypot(...body.centre)];
   for (const solid of body.solids) {
     const places = surfaceOf(solid).applyMatrix4(frameOf(solid)).attributes.position;
     for (let i = 0; i < places.count; i += 1) {
-      const point = new Vector3().fromBufferAttribute(places, i);
+      const point = new THREE.Vector3().fromBufferAttribute(places, i);
       const height = point.dot(axis);
       const radius = Math.sqrt(Math.max(0, point.lengthSq() - height ** 2));
       rims.set(`${height.toPrecision(4)},${radius.toPrecision(4)}`, [height, radius]);
@@ -102,22 +83,22 @@ function measureAnew(body) {
 
 /** A solid, translucent: what is behind it is seen through it. */
 function makeSolid(solid, paints, ink, { opacity, wire }) {
-  const group = new Group();
+  const group = new THREE.Group();
   const surface = surfaceOf(solid);
-  [BackSide, FrontSide].forEach((side, order) => {
+  [THREE.BackSide, THREE.FrontSide].forEach((side, order) => {
     const look = { side, opacity, transparent: true, depthWrite: false };
-    const mesh = new Mesh(surface, paints.map((color) => new MeshLambertMaterial({ color, ...look })));
+    const mesh = new THREE.Mesh(surface, paints.map((color) => new THREE.MeshLambertMaterial({ color, ...look })));
     mesh.renderOrder = order;
     group.add(mesh);
   });
-  const pen = new LineBasicMaterial({ color: ink, transparent: true, opacity: wire, depthWrite: false });
-  const lines = [new LineSegments(new EdgesGeometry(surface, SHARP), pen)];
+  const pen = new THREE.LineBasicMaterial({ color: ink, transparent: true, opacity: wire, depthWrite: false });
+  const lines = [new THREE.LineSegments(new THREE.EdgesGeometry(surface, SHARP), pen)];
   if (solid.kind === "sphere" || solid.kind === "cone") { // by which one sees a ghost turn
     const half = OUTLINES[solid.kind](solid).slice(0, solid.kind === "cone" ? 2 : undefined);
     for (let k = 0; k < 4; k += 1) {
       const [c, s] = [Math.cos((k * TURN) / 4), Math.sin((k * TURN) / 4)];
-      const points = half.map(([radius, height]) => new Vector3(radius * c, radius * s, height));
-      lines.push(new Line(new BufferGeometry().setFromPoints(points), pen));
+      const points = half.map(([radius, height]) => new THREE.Vector3(radius * c, radius * s, height));
+      lines.push(new THREE.Line(new THREE.BufferGeometry().setFromPoints(points), pen));
     }
   }
   for (const line of lines) line.renderOrder = 2;
@@ -128,16 +109,16 @@ function makeSolid(solid, paints, ink, { opacity, wire }) {
 
 /** A body in its own axes: rod, knob and solids; a ghost has one colour. */
 export function makeBody(body, colours, isGhost = false) {
-  const group = new Group();
+  const group = new THREE.Group();
   const { reach, tip } = measure(body);
   const look = isGhost ? GHOST : SOLID;
   const { ghost } = colours;
-  const end = new Vector3(...body.axis).multiplyScalar(tip);
-  const metal = new MeshLambertMaterial({ color: isGhost ? ghost : colours.rod });
-  const rod = new Mesh(new CylinderGeometry(look.rod * reach, look.rod * reach, tip, 24), metal);
+  const end = new THREE.Vector3(...body.axis).multiplyScalar(tip);
+  const metal = new THREE.MeshLambertMaterial({ color: isGhost ? ghost : colours.rod });
+  const rod = new THREE.Mesh(new THREE.CylinderGeometry(look.rod * reach, look.rod * reach, tip, 24), metal);
   rod.position.copy(end).multiplyScalar(0.5);
-  rod.quaternion.setFromUnitVectors(UP, new Vector3(...body.axis));
-  const knob = new Mesh(new SphereGeometry(2 * look.rod * reach, 24, 16), metal);
+  rod.quaternion.setFromUnitVectors(UP, new THREE.Vector3(...body.axis));
+  const knob = new THREE.Mesh(new THREE.SphereGeometry(2 * look.rod * reach, 24, 16), metal);
   knob.position.copy(end);
   group.add(rod, knob);
   const paints = isGhost ? [ghost, ghost, ghost] : [colours.mark, colours.even, colours.odd];
@@ -146,16 +127,16 @@ export function makeBody(body, colours, isGhost = false) {
 }
 
 /** A vector that starts at the pivot, or at another point; it is in front of what is translucent. */
-export class Arrow extends Group {
+export class Arrow extends THREE.Group {
   wanted = true;
 
   /** @param size how far the tip is from the pivot, by which thickness and head go */
   constructor(color, size) {
     super();
-    const paint = new MeshLambertMaterial({ color, transparent: true });
+    const paint = new THREE.MeshLambertMaterial({ color, transparent: true });
     this.size = size;
-    this.shaft = new Mesh(new CylinderGeometry(0.014 * size, 0.014 * size, 1, 16), paint);
-    this.head = new Mesh(new ConeGeometry(0.038 * size, 1, 24), paint);
+    this.shaft = new THREE.Mesh(new THREE.CylinderGeometry(0.014 * size, 0.014 * size, 1, 16), paint);
+    this.head = new THREE.Mesh(new THREE.ConeGeometry(0.038 * size, 1, 24), paint);
     this.add(this.shaft, this.head);
     for (const part of this.children) part.renderOrder = 6; // above the body
   }
@@ -172,6 +153,6 @@ export class Arrow extends Group {
     this.shaft.position.y = shaft / 2;
     this.head.scale.y = head;
     this.head.position.y = length - head / 2;
-    this.quaternion.setFromUnitVectors(UP, new Vector3(...vector).normalize());
+    this.quaternion.setFromUnitVectors(UP, new THREE.Vector3(...vector).normalize());
   }
 }

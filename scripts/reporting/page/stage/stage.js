@@ -1,20 +1,7 @@
 // The stage: an element in which one or two tops move, by three.js. It knows tops, vectors and moments, and nothing of
 // tables, time lines or controls.
 
-import {
-  CanvasTexture,
-  DirectionalLight,
-  Group,
-  HemisphereLight,
-  MathUtils,
-  PerspectiveCamera,
-  Scene,
-  Spherical,
-  Sprite,
-  SpriteMaterial,
-  Vector3,
-  WebGLRenderer,
-} from "three";
+import * as THREE from "three";
 import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
@@ -29,7 +16,7 @@ const WORDS = {
   lack: "The top is not shown in space: this browser has no WebGL.",
 };
 const TAP = 10; // pixels that a finger may move in a tap
-const FIRST_VIEW = { azimuth: -1.05, elevation: 0.32 }; // of the eye, rad
+const FIRST_VIEW = new THREE.Vector3(Math.cos(-1.05), Math.sin(-1.05), Math.tan(0.32)).normalize(); // to the eye
 const FIELD = 32; // degrees
 const [NEAREST, FARTHEST] = [0.4, 4]; // times the first distance
 const ROOM = 1.06; // times the part of space that is to be seen
@@ -41,10 +28,16 @@ const COLOURS = {
   ghost: "ghost", force: "force", momentum: "momentum", omega: "omega", torque: "torque", change: "torque",
 };
 
-/** The colours that hold for an element now, of style sheet names by others. */
+/** The colours that hold for an element now, light or dark, of style sheet names by others. */
 export function coloursOf(element, names = COLOURS) {
-  const style = getComputedStyle(element);
-  return Object.fromEntries(Object.entries(names).map(([key, name]) => [key, style.getPropertyValue(`--${name}`).trim()]));
+  const probe = element.appendChild(document.createElement("i"));
+  const style = getComputedStyle(probe);
+  const colours = Object.entries(names).map(([key, name]) => {
+    probe.style.color = `var(--${name})`;
+    return [key, style.color];
+  });
+  probe.remove();
+  return Object.fromEntries(colours);
 }
 
 /** A line through points, as wide as so many pixels. */
@@ -52,13 +45,10 @@ function makeLine(points, color, linewidth) {
   return new Line2(new LineGeometry().setPositions(points), new LineMaterial({ color, linewidth, transparent: true }));
 }
 
-/** A circle in the plane of two vectors, as large as they are long. */
-function makeCircle(centre, a, b, colour) {
-  const points = Array.from({ length: 97 }, (_, i) => {
-    const angle = (2 * Math.PI * i) / 96;
-    return [...centre.clone().addScaledVector(a, Math.cos(angle)).addScaledVector(b, Math.sin(angle))];
-  });
-  return makeLine(points.flat(), colour, 1);
+/** A circle about the vertical. */
+function makeCircle(radius, colour) {
+  const points = new THREE.EllipseCurve(0, 0, radius, radius).getPoints(96);
+  return makeLine(points.flatMap(({ x, y }) => [x, y, 0]), colour, 1);
 }
 
 /** A letter that always faces the eye. */
@@ -68,7 +58,7 @@ function makeLetter(letter, colour, size) {
   const pen = canvas.getContext("2d");
   Object.assign(pen, { font: "italic 44px Georgia, serif", fillStyle: colour, textAlign: "center", textBaseline: "middle" });
   pen.fillText(letter, 32, 32);
-  const sprite = new Sprite(new SpriteMaterial({ map: new CanvasTexture(canvas), depthWrite: false }));
+  const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map: new THREE.CanvasTexture(canvas), depthWrite: false }));
   sprite.renderOrder = 6; // above the body
   sprite.scale.setScalar(size);
   return sprite;
@@ -94,8 +84,6 @@ export class Stage {
   #moment = null;
   #hidden = new Set();
   #size = [1, 1];
-  #middle = new Vector3();
-  #distance = 0; // of the eye in the first view
 
   /**
    * @param element what holds the stage; its colours are those of the style that holds for it
@@ -104,10 +92,11 @@ export class Stage {
    */
   constructor(element, { calm = false, words = WORDS } = {}) {
     this.element = element;
-    this.calm = calm;
     this.words = words;
-    this.camera = new PerspectiveCamera(FIELD, 1);
+    this.camera = new THREE.PerspectiveCamera(FIELD, 1);
     this.camera.up.set(0, 0, 1);
+    this.controls = Object.assign(new OrbitControls(this.camera), { enablePan: false, rotateSpeed: calm ? 0.6 : 0.9 });
+    this.controls.addEventListener("change", () => this.#draw());
     this.hint = Object.assign(document.createElement("p"), { className: "hint", hidden: true });
     element.append(this.hint);
     this.#listen();
@@ -155,13 +144,6 @@ export class Stage {
     this.hint.hidden = false;
     this.hint.textContent = on ? this.words.release : this.words.hold;
     if (on) this.element.focus({ preventScroll: true });
-    this.#setTouch();
-  }
-
-  /** The controls of the scene claim every touch; only a held stage does. */
-  #setTouch() {
-    const canvas = this.#renderer?.domElement;
-    if (canvas) canvas.style.touchAction = this.isHeld ? "none" : "pan-x pan-y";
   }
 
   /**
@@ -174,18 +156,20 @@ export class Stage {
    *   x, y, z side by side, or null; by them the arrows are so long that they stay in view
    */
   setTops(tops, vectors = {}) {
-    const place = this.#distance ? this.#place() : null;
-    const nearness = place ? this.#distance / place.radius : 1;
+    const { camera, controls } = this;
+    const eye = this.tops && camera.position.clone().sub(controls.target).divideScalar(controls.maxDistance / FARTHEST);
     this.tops = tops;
     this.view = viewOf(tops, vectors);
     this.#moment = null;
-    this.#middle.set(0, 0, this.view.middle);
-    this.#distance = (ROOM * this.view.radius) / Math.sin(MathUtils.degToRad(FIELD / 2));
-    this.camera.near = this.#distance / 50;
-    this.camera.far = this.#distance * 20;
-    this.#limitControls();
-    if (place) this.#putEye(new Spherical(this.#distance / nearness, place.phi, place.theta));
-    else this.#reset();
+    const distance = (ROOM * this.view.radius) / Math.sin(THREE.MathUtils.degToRad(FIELD / 2));
+    Object.assign(camera, { near: distance / 50, far: distance * 20 });
+    Object.assign(controls, { minDistance: NEAREST * distance, maxDistance: FARTHEST * distance });
+    controls.target.set(0, 0, this.view.middle);
+    const place = (view) => camera.position.copy(controls.target).addScaledVector(view, distance);
+    place(FIRST_VIEW);
+    controls.saveState(); // what it is reset to
+    place(eye ?? FIRST_VIEW);
+    controls.update();
     this.#fit();
     this.#build();
   }
@@ -207,8 +191,8 @@ export class Stage {
     for (const pane of this.#panes) {
       release(pane.curves);
       pane.curves?.removeFromParent();
-      pane.turning = new Group();
-      pane.curves = new Group().add(pane.turning);
+      pane.turning = new THREE.Group();
+      pane.curves = new THREE.Group().add(pane.turning);
       pane.add(pane.curves);
     }
     for (const { points, colour, width = 1.5, frame = "space", pane = 0 } of curves) {
@@ -224,9 +208,9 @@ export class Stage {
     if (!this.#renderer || !this.tops) return;
     release(this.#scene);
     this.colours = coloursOf(this.element);
-    const light = new DirectionalLight("#ffffff", 2.4);
+    const light = new THREE.DirectionalLight("#ffffff", 2.4);
     light.position.set(2, -3, 5);
-    this.#scene = new Scene().add(light, new HemisphereLight("#ffffff", "#c8c8c8", 2.6));
+    this.#scene = new THREE.Scene().add(light, new THREE.HemisphereLight("#ffffff", "#c8c8c8", 2.6));
     this.#addSpace();
     this.#panes = Array.from({ length: countPanes(this.tops) }, () => this.#makePane());
     this.#tops = this.tops.map((top, k) => this.#makeTop(top, this.view.tips[k]));
@@ -235,7 +219,7 @@ export class Stage {
   }
 
   #makePane() {
-    const pane = new Group();
+    const pane = new THREE.Group();
     const names = Object.keys(this.view.perUnit);
     pane.arrows = Object.fromEntries(names.map((name) => [name, new Arrow(this.colours[name], this.view.tip)]));
     this.#scene.add(pane.add(...Object.values(pane.arrows)));
@@ -257,21 +241,16 @@ export class Stage {
   /** The sphere of the tip, or the two circles between which it stays; and the axes of space. */
   #addSpace() {
     const { colours, view: { tip, band, radius: size } } = this;
-    const [x, y, z] = [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)];
-    const circles = band
-      ? band.map((height) => [Math.sqrt(Math.max(tip ** 2 - height ** 2, 0)), height, x, y])
-      : [[tip, 0, x, y], [tip, 0, x, z], [tip, 0, y, z]];
-    for (const [radius, height, a, b] of circles) {
-      const [u, v] = [a, b].map((axis) => axis.clone().multiplyScalar(radius));
-      this.#scene.add(makeCircle(z.clone().multiplyScalar(height), u, v, colours.faint));
-    }
+    const circle = (height = 0) => makeCircle(Math.sqrt(Math.max(tip ** 2 - height ** 2, 0)), colours.faint);
+    this.#scene.add(...(band?.map((height) => circle(height).translateZ(height))
+      ?? [circle(), circle().rotateX(Math.PI / 2), circle().rotateY(Math.PI / 2)]));
     const length = 0.34 * size;
-    for (const [axis, letter] of [[x, "x"], [y, "y"], [z, "z"]]) {
-      const end = axis.clone().multiplyScalar(length);
+    ["x", "y", "z"].forEach((letter, k) => {
+      const end = new THREE.Vector3().setComponent(k, length);
       const sign = makeLetter(letter, colours.ink, 0.36 * length);
       sign.position.copy(end).multiplyScalar(1.2);
       this.#scene.add(makeLine([0, 0, 0, ...end], colours.ink, 1.5), sign);
-    }
+    });
   }
 
   /** Show or hide "body", "ghost", "trace", "curves", or the arrow of a vector by its name. */
@@ -322,7 +301,7 @@ export class Stage {
 
   /** The change of the angular momentum begins at its tip, everything else at the pivot. */
   #originOf(name, { momentum }) {
-    const origin = new Vector3();
+    const origin = new THREE.Vector3();
     return name === "change" && momentum ? origin.fromArray(momentum).multiplyScalar(this.view.perUnit.momentum) : origin;
   }
 
@@ -356,35 +335,24 @@ export class Stage {
       return;
     }
     this.element.prepend(canvas);
-    this.#renderer = new WebGLRenderer({ canvas, context });
+    this.#renderer = new THREE.WebGLRenderer({ canvas, context });
     this.#renderer.setScissorTest(true);
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    this.controls = new OrbitControls(this.camera, canvas);
-    Object.assign(this.controls, { enablePan: false, rotateSpeed: this.calm ? 0.6 : 0.9 });
-    this.#limitControls();
-    this.controls.addEventListener("change", () => this.#draw());
-    this.#setTouch();
+    this.controls.connect(canvas);
+    canvas.style.touchAction = ""; // the controls claim every touch: the style sheet gives them those of a held stage only
     this.#build();
     this.#resize();
-  }
-
-  #limitControls() {
-    if (!this.controls) return;
-    this.controls.target.copy(this.#middle);
-    this.controls.minDistance = NEAREST * this.#distance;
-    this.controls.maxDistance = FARTHEST * this.#distance;
-    this.controls.update();
   }
 
   /** Give the context back; what stands on the stage is kept. */
   close() {
     if (!this.#renderer) return;
     release(this.#scene);
-    this.controls.dispose();
+    this.controls.disconnect();
     this.#renderer.dispose();
     this.#renderer.forceContextLoss();
     this.#renderer.domElement.remove();
-    [this.#renderer, this.#scene, this.controls] = [null, null, null];
+    [this.#renderer, this.#scene] = [null, null];
     [this.#tops, this.#panes] = [[], []];
   }
 
@@ -399,9 +367,9 @@ export class Stage {
   /** Have the panes filled by the view; a narrow view is taken from farther off. */
   #fit() {
     const [, , width, height] = this.#places()[0];
-    const half = Math.tan(MathUtils.degToRad(FIELD / 2));
+    const half = Math.tan(THREE.MathUtils.degToRad(FIELD / 2));
     this.camera.aspect = width / height;
-    this.camera.fov = 2 * MathUtils.radToDeg(Math.atan(half * Math.max(1, height / width)));
+    this.camera.fov = 2 * THREE.MathUtils.radToDeg(Math.atan(half * Math.max(1, height / width)));
     this.camera.updateProjectionMatrix();
   }
 
@@ -409,39 +377,6 @@ export class Stage {
   recolour() {
     this.#build();
     this.redraw();
-  }
-
-  /** Change the view: "turn" (azimuth, elevation; rad), "zoom" (factor) or "reset". */
-  look(how, ...amounts) {
-    const place = this.#place();
-    if (how === "reset") this.#reset();
-    else if (how === "turn") {
-      place.theta += amounts[0];
-      place.phi = MathUtils.clamp(place.phi - amounts[1], 0.01, Math.PI - 0.01);
-      this.#putEye(place);
-    } else {
-      place.radius = MathUtils.clamp(place.radius / amounts[0], NEAREST * this.#distance, FARTHEST * this.#distance);
-      this.#putEye(place);
-    }
-    this.#draw();
-  }
-
-  #reset() {
-    const { azimuth, elevation } = FIRST_VIEW;
-    this.#putEye(new Spherical(this.#distance, Math.PI / 2 - elevation, azimuth));
-  }
-
-  /** Where the eye is; three's spherical coordinates have y upward. */
-  #place() {
-    const { x, y, z } = this.camera.position.clone().sub(this.#middle);
-    return new Spherical().setFromCartesianCoords(y, z, x);
-  }
-
-  #putEye(place) {
-    const { x: y, y: z, z: x } = new Vector3().setFromSpherical(place);
-    this.camera.position.set(x, y, z).add(this.#middle);
-    this.camera.lookAt(this.#middle);
-    this.controls?.update();
   }
 
   /** Where a point of space (m) is in the first pane, in pixels from the upper left corner; null while it is closed. */

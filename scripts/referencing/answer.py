@@ -1,16 +1,13 @@
 """What the program says of an input: its data, its numbers and their bounds."""
 
-import os
 import re
-import subprocess
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-ROOT = Path(__file__).resolve().parent.parent.parent
-PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
+from program import ProgramError, call
 
 SETTINGS = {
     "output.certified": ".true.",
@@ -32,10 +29,6 @@ BOUNDED = ("orientation", "omega1", "omega2", "omega3")
 """Numbers of which the set takes a bound, if this version of the program has it."""
 
 
-class ProgramError(Exception):
-    """What the program said when it did not compute."""
-
-
 @dataclass(frozen=True)
 class Answer:
     """The table of an input."""
@@ -55,22 +48,14 @@ class Answer:
         return max(bounds) < float("inf")
 
 
-def run(*arguments: str) -> str:
-    """Run the program; a ProgramError is what it says."""
-    done = subprocess.run([PROGRAM, *arguments], capture_output=True, text=True, check=False)
-    if done.returncode:
-        raise ProgramError(done.stderr.strip() or done.stdout.strip())
-    return done.stdout
-
-
 def answer_of(path: Path) -> Answer:
     """Compute an input with all bounds."""
-    known = {line.split()[0] for line in run("list", "columns").splitlines() if line[:2] == "  "}
+    known = {line.split()[0] for line in call("list", "columns").splitlines() if line[:2] == "  "}
     bounds = [f"{name}_bound" for name in BOUNDED if f"{name}_bound" in known]
     settings = SETTINGS | {"output.columns": ",".join([*COLUMNS, *COMPARED, *bounds])}
     given = [word for key, value in settings.items() for word in ("--set", f"{key}={value}")]
     with tempfile.TemporaryDirectory() as folder:
-        run("--output", folder, *given, str(path))
+        call("--output", folder, *given, str(path))
         text = (Path(folder) / f"{path.stem}.csv").read_text(encoding="utf-8")
     head = [line[2:] for line in text.splitlines() if line.startswith("# ")]
     rows = [line.split(",") for line in text.splitlines() if not line.startswith("#")]

@@ -1,4 +1,4 @@
-"""spintop as a program that is measured: its calls, what it says of a sweep, and the machine."""
+"""spintop as a program that scripts call, what it says of a sweep, and the machine."""
 
 import os
 import re
@@ -7,7 +7,7 @@ import subprocess
 from collections.abc import Iterable
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = os.environ.get("SPINTOP_EXE", str(ROOT / "build/release/spintop"))
 SOME_FAILED = 3
 """Exit code of spintop if the status of some rows is no good end."""
@@ -16,7 +16,7 @@ PARTS = ("sweep of", "time", "computing", "writing", "memory")
 """Numbers in the log of a sweep: cases, seconds, those of all threads together, and memory, MB."""
 
 
-class RunError(Exception):
+class ProgramError(Exception):
     """What spintop said when it could not compute."""
 
 
@@ -27,12 +27,16 @@ def lack_of_program() -> str:
     return f"there is no {PROGRAM}; scripts/run --version builds it"
 
 
-def call(*arguments: object) -> str:
-    """Run spintop, and give what it prints."""
+def call(*arguments: object, allowed: int = 0) -> str:
+    """Run spintop, and give what it prints; a ProgramError is what it says when it fails.
+
+    That is with an exit code other than zero and the one that is allowed.
+    """
     command = [PROGRAM, *map(str, arguments)]
     result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode not in (0, SOME_FAILED):
-        raise RunError(result.stderr.strip() or f"spintop ended with {result.returncode}")
+    if result.returncode not in (0, allowed):
+        said = result.stderr.strip() or result.stdout.strip()
+        raise ProgramError(said or f"spintop ended with {result.returncode}")
     return result.stdout
 
 
@@ -42,10 +46,10 @@ def run_sweep(
     """Run a sweep to a folder, and give the numbers in its log."""
     overrides = [part for setting in settings for part in ("--set", setting)]
     how = "--quiet", "--verbose", "--restart", "--threads", threads, "-o", folder, *overrides
-    log = call(*how, "--", scene)
+    log = call(*how, "--", scene, allowed=SOME_FAILED)
     found = {name: re.search(rf"\b{name} +([0-9.E+-]+) (?:cases|s|MB)\b", log) for name in PARTS}
     if not all(found.values()):
-        raise RunError(f"{scene} is no sweep")
+        raise ProgramError(f"{scene} is no sweep")
     return {name: float(match[1]) for name, match in found.items()}
 
 

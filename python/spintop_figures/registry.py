@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind
 from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options
-from spintop_figures.style.page import new_figure
-from spintop_figures.style.provenance import describe_run
+from spintop_figures.style.page import describe_run, new_figure
 from spintop_figures.tables.names import axis_of, name_of
 from spintop_figures.tables.table import Table, TableError, in_own_units
 

@@ -13,10 +13,9 @@ from reporting.words import method_of
 from spintop_figures.moving.data import Data, rows_kept, which_rows
 from spintop_figures.moving.motion import refusal
 from spintop_figures.style.numbers import write_count
-from spintop_figures.style.provenance import describe_end
-from spintop_figures.tables.names import name_of
+from spintop_figures.style.page import describe_end
+from spintop_figures.tables.names import ended_well, is_good_end, name_of
 from spintop_figures.tables.table import Table, TableError, in_own_units, printable, read_table
-from spintop_figures.tables.words import ended_well, is_good_end
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""

@@ -43,9 +43,16 @@ from spintop_figures.style.axes import Powers, scale_for
 from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
 from spintop_figures.style.numbers import with_comma, write, write_fixed
 from spintop_figures.sweeps.quantities import column_shown, known_quantities
-from spintop_figures.tables.names import axis_of, name_of, sign_of, with_unit
+from spintop_figures.tables.names import (
+    axis_of,
+    column_units,
+    columns_of,
+    name_of,
+    sign_of,
+    units_of_columns,
+    with_unit,
+)
 from spintop_figures.tables.table import Table, TableError
-from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
 RUNS = {
     "gyrocompass": ("span.samples=200",),

@@ -65,7 +65,7 @@ class StyleTest(unittest.TestCase):
         self.addCleanup(known.known_methods.cache_clear)
         known.known_methods.cache_clear()
         registry = [*listed_methods().values(), entry | {"tables": None}]
-        with unittest.mock.patch.object(known, "read_registry", return_value=registry):
+        with unittest.mock.patch.object(known, "listed", return_value={"methods": registry}):
             assert (known.family_of("new_6"), known.order_of("new_6")) == ("Lie group", 6)
             assert known.style_of("new_6")["marker"] == known.style_of("rkmk_4")["marker"]
 

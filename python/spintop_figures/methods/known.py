@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 
 from spintop_figures.style.look import GROUND, OURS, lightness, tint
-from spintop_figures.tables.words import listed
+from spintop_figures.tables.names import listed
 
 OTHER = "other programs"
 """The family of what the registry does not have."""

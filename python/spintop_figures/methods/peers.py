@@ -15,9 +15,8 @@ from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, GREY, GROUND, LINES, by_width
 from spintop_figures.style.numbers import with_power, write
 from spintop_figures.style.page import legend_below, name_outer, new_figure, panel_figure
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 DOCUMENTED = ("peers_work_precision_slow_top",)
 """Pictures of scripts/compare that doc/figures has, too, by the stems of their files."""

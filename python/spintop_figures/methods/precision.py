@@ -42,9 +42,8 @@ from spintop_figures.sweeps.maps import (
     object_to_grid,
 )
 from spintop_figures.sweeps.quantities import tell_failed
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 EXACT = "exact"
 """The method that takes no steps."""

@@ -15,16 +15,16 @@ from spintop_figures.style.look import GREY, LINES, by_width
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import (
     TIME,
+    describe_run,
     head,
     legend_below,
+    model_of,
     name_outer,
     panel_figure,
     time_panels,
 )
-from spintop_figures.style.provenance import describe_run, model_of
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import columns_of, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import columns_of
 
 TOGETHER = ("R1", "R2")
 """Residuals of one kind, which have one scale."""

@@ -15,9 +15,8 @@ from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_deg
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import Page, legend_above, time_panels
-from spintop_figures.tables.names import axis_of, name_of
+from spintop_figures.tables.names import axis_of, columns_of, name_of, units_of_columns
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import columns_of, units_of_columns
 
 
 class Extreme(NamedTuple):

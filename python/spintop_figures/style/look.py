@@ -1,5 +1,6 @@
 """The look of all figures: colours by their role, settings of matplotlib, what a user asks for."""
 
+import csv
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,45 +22,10 @@ WIDTHS = {"column": 8.5, "page": 18.3, "slide": 25.4}
 WIDTH, LETTERS, SMALLEST = 7.2, 10.0, 6.5
 """Inches of a page, points of its letters and of the smallest that can be read."""
 
-ROLES = {
-    "ink": ("#000000", "#eeeeee"),
-    "ground": ("#ffffff", "#1a1a1a"),
-    "grey": ("#595959", "#9a9a9a"),
-    "faint": ("#cccccc", "#3c3c3c"),
-    "wash": ("#f9f9f9", "#212121"),
-    "fault": ("#b0392a", "#f07361"),
-    "band": ("#d3e8f0", "#20414d"),
-    "line1": ("#12355b", "#7fa5d3"),
-    "line2": ("#d1641b", "#eb7b39"),
-    "line3": ("#2da4a1", "#40b2af"),
-    "line4": ("#8a6fae", "#d9c4f2"),
-    "pale1": ("#9db3cb", "#4d6a8c"),
-    "pale2": ("#f0c4a6", "#7a4823"),
-    "area1": ("#e39b35", "#d48d21"),
-    "area5": ("#7f7f7f", "#767676"),
-    "failed": ("#1c1c1c", "#b9b9b9"),
-    "other": ("#7f7f7f", "#767676"),
-}
-"""Colours on light and on dark ground. The first are far apart in lightness, for grey print."""
-
-SERIES = {
-    "family": (
-        "#000000 #d1641b #8a6fae #7a2048 #2da4a1 #c78803 #12355b #2f7d32 #a61e65 #5c8292 #765237 "
-        "#8a9050",
-        "#eeeeee #eb7b39 #ab8fd1 #dd7a9f #40b2af #d0901a #7fa5d3 #66b466 #f067a4 #7ea5b6 #bd9578 "
-        "#9ea564",
-    ),
-    "class": (
-        "#12355b #d1641b #93cfc0 #7a5195 #e3c65b #2f6f4f #a9a9a9 #5f1f2a #6fa8dc",
-        "#7fa5d3 #eb7b39 #02695c #b58ad2 #8a7414 #6faf8c #5c5c5c #d2868e #3f78ad",
-    ),
-}
-"""Of families of methods, in the order of the registry, and of classes of motion, the first three
-of which are far apart in lightness: `family1` and so on."""
-
-for role, pair in SERIES.items():
-    colours = zip(*map(str.split, pair), strict=True)
-    ROLES |= {f"{role}{number}": both for number, both in enumerate(colours, start=1)}
+with Path(__file__).with_name("colours.csv").open(encoding="utf-8", newline="") as file:
+    ROLES = {row["role"]: (row["light"], row["dark"]) for row in csv.DictReader(file)}
+"""Colours on light and on dark ground. Those of lines, and the first three of classes of motion,
+are far apart in lightness, for grey print; families of methods are in the registry's order."""
 
 OURS = "spintop:"
 INK, GROUND, GREY, FAINT, WASH, FAULT, HIDDEN, PALE = (

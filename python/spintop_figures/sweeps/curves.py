@@ -17,8 +17,7 @@ from spintop_figures.moving.assumptions import LAGRANGE
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, LINES, by_width
 from spintop_figures.style.numbers import COMMA, DASH, localised, with_power, write
-from spintop_figures.style.page import head, new_figure, no_axis, panel_figure
-from spintop_figures.style.provenance import describe_run
+from spintop_figures.style.page import describe_run, head, new_figure, no_axis, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
@@ -30,9 +29,8 @@ from spintop_figures.sweeps.quantities import (
     succeeded,
     tell_rest,
 )
-from spintop_figures.tables.names import axis_of, name_of
+from spintop_figures.tables.names import axis_of, ended_well, is_good_end, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well, is_good_end
 
 FORMULA = "_fast_top"
 """Ending of the columns that hold the paper's formula for a fast top."""

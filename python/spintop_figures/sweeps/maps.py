@@ -34,9 +34,8 @@ from spintop_figures.sweeps.quantities import (
     scale_panels,
     tell_rest,
 )
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 COLOURS = mpl.colormaps["cividis"]
 """From dark to light, for all eyes and for print without colours."""

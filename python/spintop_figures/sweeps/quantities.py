@@ -10,9 +10,15 @@ from matplotlib.axes import Axes
 from spintop_figures.style.axes import Places, name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import is_left, is_lowest
-from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
+from spintop_figures.tables.names import (
+    axis_of,
+    column_name,
+    count_failures,
+    ended_well,
+    name_of,
+    unit_shown,
+)
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import count_failures, ended_well
 
 ERRORS = {"log_over": 10, "floor": 1e-15}
 """Errors are compared by ratios, and 1e-15 is the rounding error of an angle or a relative one."""

@@ -31,9 +31,8 @@ from spintop_figures.sweeps.quantities import (
     succeeded,
     tell_hidden,
 )
-from spintop_figures.tables.names import axis_of, name_of
+from spintop_figures.tables.names import axis_of, count_failures, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import count_failures
 
 MOST_CASES, LEAST_CASES = 10_000, 300
 """Size of the random sample of many cases, and of each class and of the failed cases."""

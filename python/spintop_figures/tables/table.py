@@ -17,8 +17,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
-from spintop_figures.tables.names import unit_of_netcdf, unit_shown
-from spintop_figures.tables.words import column_units, units_of_columns, words_of
+from spintop_figures.tables.names import (
+    column_units,
+    unit_of_netcdf,
+    unit_shown,
+    units_of_columns,
+    words_of,
+)
 
 if TYPE_CHECKING:
     from xarray import Variable

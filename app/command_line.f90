@@ -38,7 +38,7 @@ module spintop_command_line
         option_t('--set', '', 'GROUP.KEY=VALUE', 'override a value of the input (repeatable)'), &
         option_t('--threads', '', 'N', 'number of threads, of each rank under MPI (default: all cores)'), &
         option_t('--check', '', '', 'read, check and plan only; print the resolved input and the plan'), &
-        option_t('--resume', '', '', 'resume an interrupted sweep or trajectory'), &
+        option_t('--resume', '', '', 'resume an interrupted sweep, keep complete tables'), &
         option_t('--restart', '', '', 'discard an interrupted run and start anew'), &
         option_t('--shard', '', 'I/N', 'compute part I of N of a study; `spintop merge` joins the parts'), &
         option_t('--quiet', '', '', 'no progress display'), &

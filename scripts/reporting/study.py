@@ -10,8 +10,7 @@ import pandas as pd
 from reporting.cells import BOUND, proved_texts, texts_of
 from reporting.pictures import Picture, pictures_of
 from reporting.words import method_of
-from spintop_figures.moving.data import Data, rows_kept, which_rows
-from spintop_figures.moving.motion import refusal
+from spintop_figures.moving.motion import Data, refusal, rows_kept, which_rows
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import describe_end
 from spintop_figures.tables.names import ended_well, is_good_end, name_of

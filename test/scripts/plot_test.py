@@ -25,7 +25,7 @@ from plot_case import (
     some_events,
 )
 from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letters_of, trials
-from spintop_figures.moving.data import lines_of
+from spintop_figures.moving.motion import lines_of
 from spintop_figures.style.page import describe_run, lay_out
 from spintop_figures.sweeps import curves
 from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid

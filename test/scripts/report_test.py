@@ -39,8 +39,14 @@ from spintop_figures.moving.body import (
     draw_body,
     read_body,
 )
-from spintop_figures.moving.data import pack, which_rows
-from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal
+from spintop_figures.moving.motion import (
+    GROUPS,
+    find_omega,
+    motion_facts,
+    pack,
+    refusal,
+    which_rows,
+)
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import describe_end
 from spintop_figures.tables.names import name_of, raised

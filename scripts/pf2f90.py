@@ -6,7 +6,7 @@ works without pFUnit. The suites of test/long, which `fpm test` does not run, be
 build/long/NAME.f90. The script supports a part of pFUnit's language, with the same meaning, and
 refuses other directives with file and line. In short:
 
-    @test, @test(ifdef=NAME), @disable (after @test), @before, @after, @suite(name='...')
+    @test, @before (of each test)       above a subroutine without arguments
     @assertEqual(expected, actual [, tolerance=...] [, message=...])    on one line; see ASSERTS
 
 usage: pf2f90.py                convert all below test/, and remove programs without a .pf file
@@ -15,7 +15,6 @@ usage: pf2f90.py                convert all below test/, and remove programs wit
 
 import re
 import sys
-from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -44,25 +43,6 @@ DIRECTIVE = re.compile(r"\s*@(\w+)\s*(.*?)\s*$")
 
 class RefusedError(Exception):
     """A line that the stand-in cannot run."""
-
-
-@dataclass
-class Test:
-    """One @test: its subroutine, the macro it depends on, whether @disable stands behind it."""
-
-    name: str = ""
-    ifdef: str = ""
-    disabled: bool = False
-
-
-@dataclass
-class Suite:
-    """What one .pf file holds."""
-
-    module: str = ""
-    tests: list[Test] = field(default_factory=list)
-    before: str = ""
-    after: str = ""
 
 
 def split_arguments(text: str) -> list[str]:
@@ -104,46 +84,41 @@ class Reader:
 
     def __init__(self, path: str) -> None:
         self.path = path
-        self.suite = Suite()
-        self.pending = ""  # 'test', 'before' or 'after' while their subroutine is awaited
+        self.module, self.before, self.tests = "", "", []
+        self.pending = ""  # 'test' or 'before' while its subroutine is awaited
         self.number = 0
         self.output: list[str] = []
 
     def read(self, text: str) -> None:
-        """Read the whole text; a refusal names file and line."""
+        """Read the whole text, pass Fortran on; a refusal names file and line."""
         try:
             for self.number, line in enumerate(text.splitlines(), 1):
-                self.read_line(line)
-            if self.pending or not self.suite.tests:
+                if directive := DIRECTIVE.match(line):
+                    self.output += self.act(*directive.groups())
+                    continue
+                if line.partition("!")[0].strip():
+                    self.look_at(line)
+                self.output.append(line)
+            if self.pending or not self.tests:
                 raise RefusedError("the file ends without the subroutine of a @test")
         except RefusedError as refusal:
             raise RefusedError(f"{self.path}:{self.number}: {refusal}") from None
-
-    def read_line(self, line: str) -> None:
-        """Pass Fortran on, act on directives."""
-        directive = DIRECTIVE.match(line)
-        if directive:
-            self.output += self.act(directive[1], directive[2])
-            return
-        if line.partition("!")[0].strip():
-            self.look_at(line)
-        self.output.append(line)
 
     def look_at(self, line: str) -> None:
         """Notice the module's name and the subroutines that directives wait for."""
         module, subroutine = MODULE.match(line), SUBROUTINE.match(line)
         if module and module[1].lower() != "procedure":
-            if self.suite.module or module[1].lower() != Path(self.path).stem.lower():
+            if self.module or module[1].lower() != Path(self.path).stem.lower():
                 raise RefusedError("a file holds one module, which has the file's name")
-            self.suite.module = module[1]
+            self.module = module[1]
         elif self.pending and not subroutine:
             raise RefusedError(f"after @{self.pending} stands 'subroutine NAME()'")
-        elif self.pending and not self.suite.module:
+        elif self.pending and not self.module:
             raise RefusedError("tests stand in a module")
         elif self.pending == "test":
-            self.suite.tests[-1].name = subroutine[1]
+            self.tests.append(subroutine[1])
         elif self.pending:
-            setattr(self.suite, self.pending, subroutine[1])
+            self.before = subroutine[1]
         self.pending = self.pending if module else ""
 
     def act(self, name: str, rest: str) -> list[str]:
@@ -155,39 +130,27 @@ class Reader:
             mark = f'#line {self.number} "{self.path}"'
             lines = [part for line in lines for part in (mark, line)]
             return [*lines, f'#line {self.number + 1} "{self.path}"']
-        ifdef = re.fullmatch(r"\(\s*ifdef\s*=\s*(\w+)\s*\)", rest, re.IGNORECASE)
-        if low == "test" and not self.pending and (not rest or ifdef):
-            self.suite.tests.append(Test(ifdef=ifdef[1] if ifdef else ""))
-            self.pending = low
-        elif low == "disable" and self.pending == "test" and not rest:
-            self.suite.tests[-1].disabled = True
-        elif low in ("before", "after") and not self.pending and not rest:
-            if getattr(self.suite, low):
-                raise RefusedError(f"a second @{low}")
-            self.pending = low
-        elif low != "suite" or not re.fullmatch(r"\(\s*name\s*=\s*'\w+'\s*\)", rest):
+        if low == "before" and self.before:
+            raise RefusedError("a second @before")
+        if low not in ("test", "before") or self.pending or rest:
             raise RefusedError(f"not a directive that works here: @{name}{rest}")
-        return [f"! @{name}{rest}"]
+        self.pending = low
+        return [f"! @{name}"]
 
-
-def program(suite: Suite) -> list[str]:
-    """The main program that runs a suite."""
-    fixture = ", before=" + suite.before if suite.before else ""
-    fixture += ", after=" + suite.after if suite.after else ""
-    lines = [
-        "",
-        f"program run_{suite.module}",
-        "    use funit, only: begin_suite, run_test, skip_test, end_suite",
-        f"    use {suite.module}",
-        "    implicit none",
-        f"    call begin_suite('{suite.module}')",
-    ]
-    for test in suite.tests:
-        call = f"    call run_test('{test.name}', {test.name}{fixture})"
-        if test.disabled:
-            call = f"    call skip_test('{test.name}')"
-        lines += [f"#ifdef {test.ifdef}", call, "#endif"] if test.ifdef else [call]
-    return [*lines, "    call end_suite()", f"end program run_{suite.module}"]
+    def program(self) -> list[str]:
+        """The main program that runs the suite."""
+        fixture = ", before=" + self.before if self.before else ""
+        return [
+            "",
+            f"program run_{self.module}",
+            "    use funit, only: begin_suite, run_test, end_suite",
+            f"    use {self.module}",
+            "    implicit none",
+            f"    call begin_suite('{self.module}')",
+            *(f"    call run_test('{test}', {test}{fixture})" for test in self.tests),
+            "    call end_suite()",
+            f"end program run_{self.module}",
+        ]
 
 
 def convert(path: Path) -> str:
@@ -196,7 +159,7 @@ def convert(path: Path) -> str:
     reader = Reader(name)
     reader.read(path.read_text(encoding="utf-8"))
     head = [MARK + name + ": do not edit.", f'#line 1 "{name}"']
-    return "\n".join(head + reader.output + program(reader.suite)) + "\n"
+    return "\n".join(head + reader.output + reader.program()) + "\n"
 
 
 def write_changed(path: Path, text: str) -> None:

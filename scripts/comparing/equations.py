@@ -118,11 +118,8 @@ RIGID_BODY = Equations(
     ("n1", "n2", "n3", "e1", "e2", "e3", "g1", "g2", "g3", "d1", "d2", "d3"),
     ("m1", "m2", "m3", "q0", "q1", "q2", "q3"),
     {
-        "w1": "n1*m1",
-        "w2": "n2*m2",
-        "w3": "n3*m3",
-        "u1": "2*(q1*q3 - q0*q2)",
-        "u2": "2*(q2*q3 + q0*q1)",
+        "w1": "n1*m1", "w2": "n2*m2", "w3": "n3*m3",
+        "u1": "2*(q1*q3 - q0*q2)", "u2": "2*(q2*q3 + q0*q1)",
         "u3": "(q0*q0 + q3*q3) - (q1*q1 + q2*q2)",
     },
     (
@@ -137,7 +134,7 @@ RIGID_BODY = Equations(
     False,
     start_rigid_body,
     lambda problem, y: list(y[3:]),
-)
+)  # fmt: skip
 """Momentum and the vertical's moment in body axes, and the quaternion: any body with damping."""
 
 EQUATIONS = {form.name: form for form in (SPACE_FRAME, CAYLEY_KLEIN, RIGID_BODY)}
@@ -160,9 +157,8 @@ def c_header() -> str:
     """All equations as C functions, and FORMULATIONS(X) that lists their names and sizes."""
     lines = ["/* Made by scripts/comparing/equations.py. */"]
     for form in EQUATIONS.values():
-        lines += [
-            f"static inline void {form.name}(const double *c, const double *y, double *dy)\n{{"
-        ]
+        head = f"static inline void {form.name}(const double *c, const double *y, double *dy)"
+        lines += [head, "{"]
         for array, names in (("c", form.constants), ("y", form.states)):
             lines += [f"    const double {name} = {array}[{i}];" for i, name in enumerate(names)]
         lines += [f"    const double {name} = {text};" for name, text in form.terms.items()]

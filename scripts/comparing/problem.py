@@ -91,12 +91,8 @@ class Problem:
     @property
     def is_symmetric(self) -> bool:
         """Whether it is an undamped symmetric top about body z."""
-        return (
-            not self.general
-            and math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
-            and not any(self.arm[:2])
-            and not any(self.damping)
-        )
+        is_round = math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
+        return is_round and not (self.general or any(self.arm[:2]) or any(self.damping))
 
     def judge(self, states: Sequence[Sequence[float]]) -> dict[str, float]:
         """The largest errors of a run: its attitude, rad, energy and momentum, as parts.

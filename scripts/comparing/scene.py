@@ -71,17 +71,11 @@ def pose(scene: Scene, folder: Path) -> Problem:
     pull = math.hypot(*weight)
     mass = 2.0 ** math.ceil(math.log2(pull**2 / (SMALL * min(inertia)))) if pull else 1.0
     problem = Problem(
-        name=scene.name,
-        mass=mass,
-        gravity=1.0,
-        arm=tuple(weight[i] / mass for i in order),
-        inertia=tuple(inertia[i] for i in order),
-        quaternion=tuple(product(start[:4], turn)),
-        omega=tuple(start[4 + i] for i in order),
-        t_end=0.0,
-        damping=tuple(scene.damping[i] for i in order),
-        general=scene.general,
-    )
+        name=scene.name, mass=mass, gravity=1.0,
+        arm=tuple(weight[i] / mass for i in order), inertia=tuple(inertia[i] for i in order),
+        quaternion=tuple(product(start[:4], turn)), omega=tuple(start[4 + i] for i in order),
+        t_end=0.0, damping=tuple(scene.damping[i] for i in order), general=scene.general,
+    )  # fmt: skip
     found = with_truth(problem, scene.groups, folder)
     return replace(found, truth=[product(q, turn) for q in found.truth])
 

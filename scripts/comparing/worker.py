@@ -46,7 +46,7 @@ def main(name: str, place: str) -> None:
     """Tell what the program is, or why it cannot be had, then answer until the questions end."""
     pipe = Connection(int(place))
     try:
-        program = importlib.import_module(f"programs.{name}")
+        program = importlib.import_module(f"comparing.programs.{name}")
         pipe.send(tell(program))
     except (ImportError, OSError) as error:
         pipe.send({"absence": str(error)})

@@ -133,15 +133,10 @@ def main() -> int:
         check_means(output)
         takes, seconds = make_takes(arguments, rate)
         camera = Camera(
-            takes[0],
-            size,
-            list(dict.fromkeys(arguments.arrows)),
-            arguments.dark,
-            second=takes[1] if arguments.second else None,
-            is_ghost=arguments.ghost,
-            view=View(arguments.azimuth, arguments.elevation),
+            takes, size, list(dict.fromkeys(arguments.arrows)), arguments.dark,
+            is_ghost=arguments.ghost, view=View(arguments.azimuth, arguments.elevation),
             speed=(takes[0].times[-1] - takes[0].times[0]) / seconds,
-        )
+        )  # fmt: skip
         write(output, camera, rate)
     except FilmError as error:
         print(f"scripts/film: {printable(str(error))}", file=sys.stderr)

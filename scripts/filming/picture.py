@@ -9,7 +9,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from filming.stage import Shape, Stage, View
+from filming.stage import FROM_ASIDE, Look, Shape, Stage, View
 from filming.take import Take
 
 DPI = 100
@@ -55,58 +55,37 @@ class Camera:
     """Draws the pictures of a take, or of two, one after the other, on one figure."""
 
     def __init__(
-        self,
-        take: Take,
-        size: tuple[int, int],
-        arrows: list[str],
-        dark: bool,
-        *,
-        second: Take | None = None,
-        is_ghost: bool = False,
-        view: View | None = None,
-        speed: float = 0.0,
-    ) -> None:
+        self, takes: list[Take], size: tuple[int, int], arrows: list[str], dark: bool, *,
+        is_ghost: bool = False, view: View = FROM_ASIDE, speed: float = 0.0,
+    ) -> None:  # fmt: skip
         """Prepare all that is the same in every picture.
 
         A second take is the ghost of the first, or beside it. The speed, seconds of motion per
         second of the film, is said if it is above zero.
         """
-        self.takes = [take] if second is None else [take, second]
-        self.colours = palette(dark)
-        self.scale = size[1] / 720
+        self.takes, self.colours, self.scale = takes, palette(dark), size[1] / 720
         pixels = max(min(LEAST_LETTERS, LARGEST_LETTERS * size[1]), LETTERS * size[1])
         self.letters = pixels * 72 / DPI
-        self.figure = Figure(
-            figsize=(size[0] / DPI, size[1] / DPI), dpi=DPI, facecolor=self.colours["stage"]
-        )
+        inches = (size[0] / DPI, size[1] / DPI)
+        self.figure = Figure(figsize=inches, dpi=DPI, facecolor=self.colours["stage"])
         FigureCanvasAgg(self.figure)
-        groups = [self.takes] if is_ghost else [[take] for take in self.takes]
+        groups = [takes] if is_ghost else [[take] for take in takes]
         width, self.row = 1 / len(groups), 1.35 * pixels / size[1]
         self.strip = max(STRIP, LINES * self.row)
         top = self.add_titles(groups, round(width * size[0] / (LARGE * WIDE * pixels)))
-        reach = max(Shape(take).reach for take in self.takes)
-        self.stages = [
-            Stage(
-                self.figure.add_axes((i * width, self.strip, width, top - self.strip)),
-                takes,
-                self.colours,
-                arrows=arrows,
-                view=view or View(),
-                scale=self.scale,
-                letters=self.letters,
-                reach=reach,
-                aspect=width * size[0] / ((top - self.strip) * size[1]),
-            )
-            for i, takes in enumerate(groups)
-        ]
+        reach = max(Shape(take).reach for take in takes)
+        aspect = width * size[0] / ((top - self.strip) * size[1])
+        look = Look(self.colours, arrows, view, self.scale, self.letters)
+        self.stages = []
+        for i, group in enumerate(groups):
+            axes = self.figure.add_axes((i * width, self.strip, width, top - self.strip))
+            self.stages.append(Stage(axes, group, look, reach, aspect))
         self.cursor = self.add_chart()
         style = {"size": self.letters, "color": self.colours["quiet"]}
-        self.clock = self.figure.text(
-            0.98, self.strip - 0.5 * self.row, "", ha="right", va="center", **style
-        )
+        style |= {"y": self.strip - 0.5 * self.row, "va": "center"}
+        self.clock = self.figure.text(0.98, s="", ha="right", **style)
         if speed > 0:
-            place = (0.5, self.strip - 0.5 * self.row)
-            self.figure.text(*place, describe_speed(speed), ha="center", va="center", **style)
+            self.figure.text(0.5, s=describe_speed(speed), ha="center", **style)
 
     def add_titles(self, groups: list[list[Take]], letters: int) -> float:
         """The title of each motion, in lines of so many letters, in the colour of its curve.

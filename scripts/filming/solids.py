@@ -40,24 +40,23 @@ def outline(solid: dict[str, object]) -> list[tuple[float, float]]:
 def revolved(edge: list[tuple[float, float]]) -> tuple[np.ndarray, np.ndarray]:
     """The polygons that an edge sweeps about z."""
     angles = np.linspace(0, 2 * np.pi, SECTORS * STEPS + 1)
-    polygons, colours = [], []
-    for (r0, h0), (r1, h1) in pairwise(edge):
-        for i, (a, b) in enumerate(pairwise(angles)):
-            corners = [(r0, a, h0), (r0, b, h0), (r1, b, h1), (r1, a, h1)]
-            polygons.append([(r * np.cos(t), r * np.sin(t), h) for r, t, h in corners])
-            sector = i // STEPS
-            colours.append(MARK if sector == 0 else (EVEN, ODD)[sector % 2])
-    return np.array(polygons), np.array(colours)
+    polygons = [
+        [
+            (r * np.cos(t), r * np.sin(t), h)
+            for r, t, h in ((r0, a, h0), (r0, b, h0), (r1, b, h1), (r1, a, h1))
+        ]
+        for (r0, h0), (r1, h1) in pairwise(edge)
+        for a, b in pairwise(angles)
+    ]
+    sectors = np.arange(len(polygons)) // STEPS % SECTORS
+    return np.array(polygons), np.where(sectors == 0, MARK, np.where(sectors % 2, ODD, EVEN))
 
 
 def faces(solid: dict[str, object]) -> tuple[np.ndarray, np.ndarray]:
     """The six faces of a cuboid; one pair is marked."""
     half = np.array(solid["edges"], float) / 2
     square = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], float)
-    polygons, colours = [], []
-    for axis in range(3):
-        for side in (-1.0, 1.0):
-            corners = np.insert(square, axis, side, axis=1)
-            polygons.append(corners * half)
-            colours.append((MARK, EVEN, ODD)[axis])
-    return np.array(polygons), np.array(colours)
+    polygons = [
+        np.insert(square, axis, side, axis=1) * half for axis in range(3) for side in (-1.0, 1.0)
+    ]
+    return np.array(polygons), np.repeat((MARK, EVEN, ODD), 2)

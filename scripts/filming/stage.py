@@ -23,11 +23,7 @@ FADES_IN, FAINTEST = 0.12, 0.2
 OPAQUE, GHOSTLY = 0.5, 0.16
 """How opaque a body is: path, rod and arrows are seen through it; and the ghost of a second one."""
 
-NAMES = {
-    "momentum": "angular momentum",
-    "omega": "angular velocity",
-    "force": "support force",
-}
+NAMES = {"momentum": "angular momentum", "omega": "angular velocity", "force": "support force"}
 ORDER = {"far": 1, "rod behind": 2, "body": 3, "rod before": 4, "near": 5, "arrows": 6}
 
 
@@ -39,7 +35,22 @@ class View:
     elevation: float = 18.0
 
 
-def project(points: np.ndarray, view: View = View()) -> np.ndarray:
+FROM_ASIDE = View()
+
+
+@dataclass(frozen=True)
+class Look:
+    """How tops are drawn: with which colours and arrows, seen from where, how thick and large."""
+
+    colours: dict[str, str]
+    arrows: list[str]
+    view: View
+    scale: float
+    letters: float
+    """In points."""
+
+
+def project(points: np.ndarray, view: View = FROM_ASIDE) -> np.ndarray:
     """Points of space as seen from far away: to the right, upward, and towards the eye."""
     azimuth, elevation = np.radians([view.azimuth, view.elevation])
     ca, sa, ce, se = np.cos(azimuth), np.sin(azimuth), np.cos(elevation), np.sin(elevation)
@@ -66,50 +77,39 @@ class Stage:
     """Draws tops in space on axes without a frame: the first is solid, a second one its ghost."""
 
     def __init__(
-        self,
-        axes: Axes,
-        takes: list[Take],
-        colours: dict[str, str],
-        *,
-        arrows: list[str],
-        view: View,
-        scale: float,
-        letters: float,
-        reach: float,
-        aspect: float,
+        self, axes: Axes, takes: list[Take], look: Look, reach: float, aspect: float
     ) -> None:
-        """Prepare all that is the same in every picture; letters are in points."""
-        self.axes, self.colours, self.view = axes, colours, view
-        self.scale, self.letters, self.reach = scale, letters, reach
+        """Prepare all that is the same in every picture."""
+        self.axes, self.look, self.reach = axes, look, reach
         shapes = [Shape(take) for take in takes]
         self.tip = shapes[0].tip
         self.add_space(aspect)
         self.actors = [
-            Actor(self, take, shape, arrows=[] if i else arrows, is_ghost=i > 0)
+            Actor(self, take, shape, arrows=[] if i else look.arrows, is_ghost=i > 0)
             for i, (take, shape) in enumerate(zip(takes, shapes, strict=True))
         ]
 
     def add_space(self, aspect: float) -> None:
         """The sphere of the tip and its circles: the far half fainter; the vertical."""
-        space, colours = self.axes, self.colours
+        space, look = self.axes, self.look
         space.set_axis_off()
         room = 1.04 * self.reach
         space.set_xlim(-room * aspect, room * aspect)
         space.set_ylim(-room, room)
         angle = np.linspace(0, 2 * np.pi, 121)
         c, s, o = np.cos(angle), np.sin(angle), np.zeros_like(angle)
+        faint = {"color": look.colours["faint"], "lw": 1.1 * look.scale, "zorder": ORDER["far"]}
         for circle in ((c, s, o), (c, o, s), (o, c, s)):
-            points = project(self.tip * np.stack(circle, axis=-1), self.view)
+            points = project(self.tip * np.stack(circle, axis=-1), look.view)
             for side, alpha in ((points[:, 2] >= 0, 1.0), (points[:, 2] <= 0, 0.5)):
                 shown = side | np.roll(side, 1)  # no gaps where it passes the edge
                 x, y = (np.where(shown, points[:, i], np.nan) for i in (0, 1))
-                width = 1.1 * self.scale
-                space.plot(x, y, color=colours["faint"], lw=width, alpha=alpha, zorder=ORDER["far"])
-        quiet = {"color": colours["quiet"], "zorder": ORDER["far"]}
-        small = quiet | {"size": self.letters, "ha": "center", "va": "center", "style": "italic"}
+                space.plot(x, y, alpha=alpha, **faint)
+        quiet = {"color": look.colours["quiet"], "zorder": ORDER["far"]}
+        small = quiet | {"size": look.letters, "ha": "center", "va": "center", "style": "italic"}
         for axis, letter in zip(np.eye(3), "xyz", strict=True):
-            x, y, _ = project(0.34 * self.reach * axis, self.view)
-            space.plot([0, x], [0, y], lw=1.2 * self.scale, **quiet)
+            x, y, _ = project(0.34 * self.reach * axis, look.view)
+            space.plot([0, x], [0, y], lw=1.2 * look.scale, **quiet)
             space.text(1.15 * x, 1.15 * y, letter, **small)
 
     def show(self, picture: int) -> None:
@@ -126,10 +126,10 @@ class Actor:
     ) -> None:
         """Put it on the stage."""
         self.stage, self.take, self.shape, self.is_ghost = stage, take, shape, is_ghost
-        axes, colours, scale = stage.axes, stage.colours, stage.scale
+        axes, colours, scale = stage.axes, stage.look.colours, stage.look.scale
         names = ("ghost",) * 3 if is_ghost else ("mark", "even", "odd")
         self.paints = np.array([to_rgb(colours[name]) for name in names])[shape.kinds]
-        self.path = project(stage.tip * take.axis, stage.view)
+        self.path = project(stage.tip * take.axis, stage.look.view)
         self.is_joined = take.steps() <= JOINED
         self.paths = {
             name: LineCollection([], linewidths=width * scale, capstyle="butt", zorder=ORDER[name])
@@ -145,11 +145,11 @@ class Actor:
 
     def add_arrow(self, name: str) -> tuple:
         """Shaft, head and name of an arrow."""
-        axes, style = self.stage.axes, {"zorder": ORDER["arrows"]}
-        style["color"] = self.stage.colours[name]
-        (shaft,) = axes.plot([], [], lw=3 * self.stage.scale, **style)
+        axes, look = self.stage.axes, self.stage.look
+        style = {"zorder": ORDER["arrows"], "color": look.colours[name]}
+        (shaft,) = axes.plot([], [], lw=3 * look.scale, **style)
         (head,) = axes.fill([0, 0, 0], [0, 0, 0], **style)
-        words = axes.text(0, 0, f" {NAMES[name]} ", size=self.stage.letters, va="center", **style)
+        words = axes.text(0, 0, f" {NAMES[name]} ", size=look.letters, va="center", **style)
         return shaft, head, words
 
     def show(self, row: int) -> None:
@@ -169,7 +169,7 @@ class Actor:
         strength = FAINTEST + (1 - FAINTEST) * np.exp(-age / FADES_IN)
         pieces = np.stack((points[:-1, :2], points[1:, :2]), axis=1)
         near, joined = points[1:, 2] >= 0, self.is_joined[:row]
-        paint = to_rgb(self.stage.colours["ghost" if self.is_ghost else "trace"])
+        paint = to_rgb(self.stage.look.colours["ghost" if self.is_ghost else "trace"])
         colours = np.column_stack((np.tile(paint, (len(age), 1)), strength))
         for name, chosen, part in (("near", near & joined, 1.0), ("far", ~near & joined, 0.55)):
             self.paths[name].set_segments(pieces[chosen])
@@ -177,7 +177,7 @@ class Actor:
 
     def show_body(self, rotation: np.ndarray) -> None:
         """Rod and solids; the polygons from the farthest to the nearest, lit from above."""
-        view, length = self.stage.view, self.stage.tip
+        view, length = self.stage.look.view, self.stage.tip
         tip = project(rotation @ (length * self.take.body.axis()), view)
         before = ORDER["rod behind" if tip[2] > 0 else "rod before"]
         for line, points in ((self.rod, [np.zeros(3), tip]), (self.knob, [tip])):
@@ -199,7 +199,7 @@ class Actor:
     def show_arrow(self, name: str, vector: np.ndarray) -> None:
         """A vector from the pivot; the longest of its kind has the same length in every film."""
         largest = np.linalg.norm(self.take.vectors[name], axis=1).max() or 1.0
-        end = project(LONGEST * self.stage.tip * vector / largest, self.stage.view)[:2]
+        end = project(LONGEST * self.stage.tip * vector / largest, self.stage.look.view)[:2]
         length = np.hypot(*end)
         shaft, head, words = self.arrows[name]
         size = min(0.07 * self.stage.tip, length)

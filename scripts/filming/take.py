@@ -175,20 +175,12 @@ def take_of(table: Table, pictures: int, part: Part | None = None) -> Take:
     }
     times = values["t"]
     moments = np.linspace(times[0], times[-1], pictures)
-    rows = np.clip(
-        np.searchsorted(times, moments - 1e-9 * (times[-1] - times[0])), 0, len(times) - 1
-    )
+    moments -= 1e-9 * (times[-1] - times[0])
+    rows = np.clip(np.searchsorted(times, moments), 0, len(times) - 1)
     return Take(
-        table.title or table.path.stem,
-        body,
-        draw_body(table, body).solids,
-        times,
-        values["theta"],
-        rotations,
-        np.einsum("nij,j->ni", rotations, body.axis()),
-        vectors,
-        rows,
-    )
+        table.title or table.path.stem, body, draw_body(table, body).solids, times,
+        values["theta"], rotations, np.einsum("nij,j->ni", rotations, body.axis()), vectors, rows,
+    )  # fmt: skip
 
 
 def rows_within(times: np.ndarray, pictures: int, part: Part) -> tuple[int, int]:

@@ -22,15 +22,7 @@ from bs4 import BeautifulSoup
 from ford.settings import ProjectSettings, load_toml_settings
 from latex2mathml.converter import convert
 
-from manual.pages import (
-    ROOT,
-    links_of,
-    manual_pages,
-    map_links,
-    map_maths,
-    map_prose,
-    title_of,
-)
+from manual.pages import ROOT, links_of, manual_pages, map_links, map_maths, map_prose, title_of
 
 SITE = ROOT / "build" / "api"
 SOURCES = ROOT / "build" / "api_pages"

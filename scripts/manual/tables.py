@@ -69,10 +69,7 @@ def _key(entry: Entry) -> str:
 _NAME, _WHAT = _cell("name", _code), _cell("description")
 _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "methods": {
-        "method": _NAME,
-        "family": _cell("family"),
-        "order": _cell("order"),
-        "step size": _steps,
+        "method": _NAME, "family": _cell("family"), "order": _cell("order"), "step size": _steps,
         "what it is": _WHAT,
     },
     "formulations": {"formulation": _NAME, "what it is": _WHAT},
@@ -80,22 +77,18 @@ _TABLES: dict[str, dict[str, Callable[[Entry], str]]] = {
     "events": {"event": _NAME, "what it is": _WHAT},
     "shapes": {"shape": _NAME, "what it is": _WHAT, "needs": _needs},
     "parts": {
-        "part": _NAME,
-        "what it is": _WHAT,
+        "part": _NAME, "what it is": _WHAT,
         "needs": lambda entry: ", ".join(map(_code, ["mass", *entry["needs"]])),
         "may have": lambda entry: ", ".join(map(_code, entry["takes"])),
     },
     "parameters": {
-        "key": _key,
-        "unit": _cell("unit", str),
-        "meaning": _meaning,
-        "values": _values,
+        "key": _key, "unit": _cell("unit", str), "meaning": _meaning, "values": _values,
     },
     "benchmarks": {"benchmark": _NAME, "what it is": _WHAT, "source": _cell("source")},
     "cases": {"case": _NAME, "what it is, and why it is hard": _WHAT},
     "studies": {"kind": _NAME, "what it computes": _WHAT},
     "exit_codes": {"code": _cell("code"), "meaning": _WHAT},
-}
+}  # fmt: skip
 """The heads of the tables, and what fills a cell."""
 
 _PARTS = {"columns": "study", "parameters": "group"}

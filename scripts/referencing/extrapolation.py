@@ -8,6 +8,7 @@ import numpy as np
 Number = Any
 State = np.ndarray
 """Numbers, or in each place an array of numbers."""
+Rate = Callable[[Number, State], State]
 
 
 class Accuracy(NamedTuple):
@@ -22,11 +23,7 @@ class Accuracy(NamedTuple):
 
 
 def integrate(
-    rate: Callable[[Number, State], State],
-    state: State,
-    times: Sequence[Number],
-    scales: Sequence[Number],
-    accuracy: Accuracy,
+    rate: Rate, state: State, times: Sequence[Number], scales: Sequence[Number], accuracy: Accuracy
 ) -> Iterator[State]:
     """The states at increasing times; the first is the start. `scales` are units of the error."""
     now, step = times[0], (times[-1] - times[0]) / 1000
@@ -47,12 +44,7 @@ def integrate(
 
 
 def extrapolated(
-    rate: Callable[[Number, State], State],
-    time: Number,
-    state: State,
-    step: Number,
-    scales: Sequence[Number],
-    columns: int,
+    rate: Rate, time: Number, state: State, step: Number, scales: Sequence[Number], columns: int
 ) -> tuple[State, Number]:
     """A step, and its error: midpoint rules of 2, 4, 6 ... parts, extrapolated to none."""
     first = rate(time, state)

@@ -152,11 +152,13 @@ class Motion:
 
     def find_errors(self, stated: Mapping[str, Mapping[str, Any]]) -> dict[str, Error]:
         """The errors of all quantities."""
-        columns, kinds = self.answer.columns, {}
+        columns = self.answer.columns
+        bounds = {"attitude": ["orientation"], "omega": [f"omega{i}" for i in (1, 2, 3)]}
+        kinds = {
+            name: "proved" if all(map(self.answer.is_proved, of)) else "agreement"
+            for name, of in bounds.items()
+        }
         largest = dict.fromkeys(QUANTITIES, Decimal(0))
-        kinds["attitude"] = "proved" if self.answer.is_proved("orientation") else "agreement"
-        is_proved = all(self.answer.is_proved(f"omega{i}") for i in (1, 2, 3))
-        kinds["omega"] = "proved" if is_proved else "agreement"
         for i, (t, state, row) in enumerate(zip(self.times, self.states, self.rows, strict=True)):
             q = [columns[f"q{k}"][i] for k in range(4)]
             omega = [columns[f"omega{k}"][i] for k in (1, 2, 3)]
@@ -164,7 +166,7 @@ class Motion:
             turning = distance(row["omega"], omega) + rounding(row["omega"])
             if kinds["attitude"] == "proved":
                 attitude += Decimal(columns["orientation_bound"][i])
-            if is_proved:
+            if kinds["omega"] == "proved":
                 turning += length([columns[f"omega{k}_bound"][i] for k in (1, 2, 3)])
             changes = self.slopes(t, state)
             errors = {"attitude": attitude, "omega": turning}

@@ -33,7 +33,7 @@ def quantity(value: float, unit: str, digits: int = 4) -> str:
     """A number with its unit; an angle in degrees."""
     if unit == "rad":
         return degrees(value)
-    return " ".join(filter(None, (write(value, digits), raised("" if unit == "1" else unit))))
+    return " ".join(filter(None, (write(value, digits), unit_of(unit))))
 
 
 def between(least: float, most: float, unit: str = "") -> str:
@@ -95,6 +95,11 @@ def of_events(table: Table) -> dict[str, str]:
     return {describe_event(name): counted(count, "time") for name, count in counts.items()}
 
 
+def unit_of(cell: object) -> str:
+    """A unit; empty if there is none, or none is said."""
+    return raised(cell) if isinstance(cell, str) and cell != "1" else ""
+
+
 def of_fit(table: Table) -> dict[str, str]:
     """The values that were found with their standard errors; or the size of the residuals."""
     rows = table.rows
@@ -104,7 +109,7 @@ def of_fit(table: Table) -> dict[str, str]:
             rows["parameter"], rows["estimate"], rows["standard_error"], units, strict=True
         )
         return {
-            name_of(str(key)): f"{with_error(value, error)} {raised(word_of(unit))}".strip()
+            name_of(str(key)): f"{with_error(value, error)} {unit_of(unit)}".strip()
             for key, value, error, unit in values
         }
     found = {}
@@ -113,11 +118,6 @@ def of_fit(table: Table) -> dict[str, str]:
             size = quantity(np.sqrt(np.mean(values**2)), table.units.get(name, ""))
             found[f"rms residual of {sign_of(name.removesuffix(RESIDUAL))}"] = size
     return found
-
-
-def word_of(cell: object) -> str:
-    """A cell of words; empty if it has none, or says that there is no unit."""
-    return cell if isinstance(cell, str) and cell != "1" else ""
 
 
 def of_statistics(table: Table) -> dict[str, str]:
@@ -164,16 +164,10 @@ def of_columns(table: Table) -> dict[str, str]:
 
 
 KINDS = {
-    "trajectory": of_trajectory,
-    "sweep": of_sweep,
-    "work_precision": of_methods,
-    "stability": of_methods,
-    "events": of_events,
-    "fit": of_fit,
-    "statistics": of_statistics,
-    "histogram": of_histogram,
-    "indices": of_indices,
-}
+    "trajectory": of_trajectory, "sweep": of_sweep, "work_precision": of_methods,
+    "stability": of_methods, "events": of_events, "fit": of_fit, "statistics": of_statistics,
+    "histogram": of_histogram, "indices": of_indices,
+}  # fmt: skip
 
 
 def key_numbers(table: Table) -> dict[str, str]:

@@ -9,12 +9,10 @@ from spintop_figures.moving.body import SHAPES, Body, read_body
 from spintop_figures.moving.motion import ANGLES, attitude_at_start, find_omega
 from spintop_figures.tables.table import Table, is_word
 
+WITH_ROD = ("spinning_wheel", "ring", "sphere")
 KEYS = {
-    "spinning_wheel": ("radius", "thickness", "rod_length", "density"),
-    "ring": ("radius", "inner_radius", "thickness", "rod_length", "density"),
-    "sphere": ("radius", "rod_length", "density"),
-    "cylinder": ("radius", "thickness", "density"),
-    "cone": ("radius", "thickness", "density"),
+    name: (*keys.values(), *(["rod_length"] if name in WITH_ROD else []), "density")
+    for name, (_, keys, _) in SHAPES.items()
 }
 """The keys of `top` by which the page builds a shape."""
 
@@ -22,6 +20,7 @@ POLE = 1e-9
 """Closer to a pole, sin(theta) below this, phi' does not exist."""
 
 
+PHASES = ("vibration_phase", "vibration_phase_deg")
 OWN = {"effects.friction_torque", "effects.vibration_amplitude"}
 """The keys of effects that the page computes; others have no live top."""
 
@@ -48,17 +47,13 @@ def live_link(table: Table) -> str:
 def effect_fields(table: Table) -> dict[str, float] | None:
     """Dry friction and the vibration of the pivot; None if there are effects of other kinds."""
     found = set(acting(table, "effects."))
-    smoothing, *phases = (
-        [float(value) for value in table.settings.get(key, [0])]
-        for key in (
-            "effects.friction_smoothing",
-            "effects.vibration_phase",
-            "effects.vibration_phase_deg",
-        )
+    none = [0, 0, 0]
+    smoothing, amplitude, *phases = (
+        [float(value) for value in table.settings.get(f"effects.{key}", none)]
+        for key in ("friction_smoothing", "vibration_amplitude", *PHASES)
     )
-    amplitude = [float(x) for x in table.settings.get("effects.vibration_amplitude", [0, 0, 0])]
-    is_known = found <= OWN and not any(phase for each in phases for phase in each)
-    if not is_known or any(smoothing) or any(amplitude[:2]) or found == OWN:
+    is_unknown = any(smoothing) or any(amplitude[:2]) or any(map(any, phases))
+    if not found <= OWN or is_unknown or found == OWN:
         return None
     fields = {}
     if "effects.friction_torque" in found:

@@ -70,19 +70,22 @@ def esbuild_package() -> str:
     """The package with the bundler for this machine."""
     processor = platform.machine().lower()
     name = f"@esbuild/{platform.system().lower()}-{PROCESSORS.get(processor, processor)}"
-    if f"node_modules/{name}" not in read_lock():
-        raise PackageError(f"there is no {name} in {PAGE / 'package-lock.json'}")
+    entry_of(name)
     return name
 
 
-def read_lock() -> dict[str, dict]:
-    """Version and integrity of every package, by its folder."""
-    return json.loads((PAGE / "package-lock.json").read_text(encoding="utf-8"))["packages"]
+def entry_of(name: str) -> dict:
+    """Version and integrity of a package."""
+    lock = PAGE / "package-lock.json"
+    packages = json.loads(lock.read_text(encoding="utf-8"))["packages"]
+    if f"node_modules/{name}" not in packages:
+        raise PackageError(f"there is no {name} in {lock}")
+    return packages[f"node_modules/{name}"]
 
 
 def need(name: str) -> Path:
     """The folder of a package, fetched if it is not there yet."""
-    entry = read_lock()[f"node_modules/{name}"]
+    entry = entry_of(name)
     folder, integrity = MODULES / name, entry["integrity"]
     stamp = folder / ".integrity"
     if stamp.is_file() and stamp.read_text(encoding="ascii") == integrity:

@@ -19,7 +19,7 @@ from reporting.live_link import live_link
 from reporting.packages import DICTIONARY, PAGE, PackageError, bundle
 from reporting.study import Section
 from reporting.words import of_kind
-from spintop_figures.moving.motion import facts_text, pack_all
+from spintop_figures.moving.motion import facts_text, pack_all, refusal
 from spintop_figures.tables.names import raised
 
 LARGEST, PER_TABLE = 2_000_000, 100_000
@@ -32,6 +32,9 @@ ALL_CELLS = 20_000
 COLUMNS_ON_PAPER = 8
 """Wider tables are printed across."""
 
+PROVENANCE = ("program", "revision", "compiler", "date", "model", "method", "body")
+"""What of the header of a table the report says, in its order."""
+
 STYLES = ("page.css", "live.css")
 ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "main.js")}
 """Pages without a study: the template and the script of the live top, and of the viewer in which
@@ -41,21 +44,15 @@ the Python package puts a motion."""
 def render(template: str, script: str, **parts: object) -> str:
     """A template with style and script; `texts` is the dictionary of the live top."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(PAGE),
-        autoescape=True,
-        trim_blocks=True,
-        lstrip_blocks=True,
-        undefined=jinja2.StrictUndefined,
-    )
+        loader=jinja2.FileSystemLoader(PAGE), autoescape=True, trim_blocks=True,
+        lstrip_blocks=True, undefined=jinja2.StrictUndefined,
+    )  # fmt: skip
     environment.filters |= {"sentence": lambda text: text[:1].upper() + text[1:], "unit": raised}
     style = "\n".join((PAGE / name).read_text(encoding="utf-8") for name in STYLES)
     return environment.get_template(template).render(
         texts=json.loads(DICTIONARY.read_text(encoding="utf-8")),
-        policy=policy(style, script),
-        style=Markup(style),
-        script=Markup(script),
-        **parts,
-    )
+        policy=policy(style, script), style=Markup(style), script=Markup(script), **parts,
+    )  # fmt: skip
 
 
 def make_alone(option: str) -> str:
@@ -135,19 +132,12 @@ def make_page(title: str, sections: list[Section], problems: list[str]) -> tuple
         if script and section.moves
     }
     page = render(
-        "page.html",
-        script,
-        title=title,
-        facts=facts_of(sections),
-        sections=sections,
-        problems=problems,
-        reduced=reduced,
-        motions=motions,
+        "page.html", script, title=title, facts=facts_of(sections), sections=sections,
+        problems=problems, reduced=reduced, motions=motions, lack=lack,
         lives={s.anchor: live_link(s.table) for s in sections if s.anchor in motions},
-        lack=lack,
-        key_numbers=key_numbers,
-        columns_on_paper=COLUMNS_ON_PAPER,
-    )
+        key_numbers=key_numbers, refusal=refusal, columns_on_paper=COLUMNS_ON_PAPER,
+        provenance=PROVENANCE,
+    )  # fmt: skip
     return page, ([f"the tops do not move in the page: {lack}"] if lack else []) + reduced
 
 

@@ -19,9 +19,6 @@ from spintop_figures.tables.table import Table, TableError, in_own_units, printa
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""
 
-FACTS = ("program", "revision", "compiler", "date", "model", "method", "body")
-"""The provenance in the header of a table, in the order of the report."""
-
 
 @dataclass
 class Section:
@@ -49,12 +46,6 @@ class Section:
         return f"{title}: {self.mark}" if self.mark else title
 
     @property
-    def facts(self) -> dict[str, str]:
-        """Where the table comes from."""
-        header = self.table.header
-        return {key: header[key] for key in FACTS if header.get(key)}
-
-    @property
     def outcome(self) -> str:
         """How it ended, or how many rows with which verdict or status, in a few words."""
         if self.table.status is not None:
@@ -69,11 +60,6 @@ class Section:
     def size(self) -> int:
         """How many rows the table has."""
         return len(self.table.rows)
-
-    @property
-    def rows(self) -> str:
-        """The same in words."""
-        return f"{write_count(self.size)} row{'s' if self.size != 1 else ''}"
 
     @property
     def method(self) -> str:
@@ -94,11 +80,6 @@ class Section:
     def moves(self) -> bool:
         """Whether the page can show the top move."""
         return not refusal(self.table)
-
-    @property
-    def immobile(self) -> str:
-        """Why a trajectory cannot be shown move; empty if it can, or is none."""
-        return "" if self.moves or self.table.kind != "trajectory" else refusal(self.table)
 
     def is_proved(self, name: str) -> bool:
         """Whether a column has proved bounds beside it."""

@@ -56,7 +56,7 @@ module spintop_kernel_types
 
     !> Undamped symmetric tops to be computed together (spintop_exact_block), one per element of each array, SI units and radians.
     type, bind(C) :: exact_block_t
-        !> Data: moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates of phi and
+        !> The data, moments of inertia about the pivot (kg m^2), m g l (N m), inclination (rad), rates of phi and
         !> theta (rad/s), angular velocity about the body axis (rad/s), phi and psi (rad), end of the span
         !> (s), and a time for which phi is needed (s).
         real(c_double), dimension(block_size) :: inertia1, inertia3, mgl, theta, phi_rate, theta_rate, &

@@ -9,7 +9,7 @@ module funit
     private
     public :: assertOne, assertTwo, assertFail
     public :: SourceLocation, anyExceptions, boxed
-    public :: begin_suite, run_test, skip_test, end_suite
+    public :: begin_suite, run_test, end_suite
 
     !> Where an assert stands.
     type :: SourceLocation
@@ -41,18 +41,15 @@ contains
     end subroutine begin_suite
 
     !> Run one test. As in pFUnit, nothing more is called when `before` fails.
-    subroutine run_test(name, test, before, after)
+    subroutine run_test(name, test, before)
         character(*), intent(in) :: name
         procedure(test_procedure) :: test
-        procedure(test_procedure), optional :: before, after
+        procedure(test_procedure), optional :: before
         test_name = name
         test_failed = .false.
         call tell('Start:')
         if (present(before)) call before()
-        if (.not. test_failed) then
-            call test()
-            if (present(after)) call after()
-        end if
+        if (.not. test_failed) call test()
         if (test_failed) then
             failed = failed + 1
             call tell('Failure in')
@@ -68,12 +65,6 @@ contains
         if (is_verbose) write (output_unit, '(1x, 4a)') event, ' <', trim(test_name), '>'
         flush (output_unit)
     end subroutine tell
-
-    !> Say that a test is disabled.
-    subroutine skip_test(name)
-        character(*), intent(in) :: name
-        write (output_unit, '(2x, 2a)') name, ': disabled'
-    end subroutine skip_test
 
     !> Report the counts on a line that scripts/test reads; any failure gives the exit code 1.
     subroutine end_suite()

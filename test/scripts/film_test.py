@@ -157,7 +157,7 @@ class FilmTest(unittest.TestCase):
             self.skipTest("no ffmpeg")
         path = self.folder / "film.mp4"
         path.write_text("older", encoding="utf-8")
-        camera = Camera(compute(INPUT, 3), SIZE, [], dark=False)
+        camera = Camera([compute(INPUT, 3)], SIZE, [], dark=False)
         codec = {".mp4": ("libx264", "-no_such_option 1")}
         with (
             unittest.mock.patch.object(encode, "CODECS", codec),
@@ -180,7 +180,7 @@ class PictureTest(unittest.TestCase):
         for name in ("damped_top", "rigid_body_chaotic", "slow_top_events", "spinning_wheel"):
             with self.subTest(name):
                 take = compute(ROOT / "input" / f"{name}.nml", 3)
-                camera = Camera(take, SIZE, ["momentum", "omega", "force"], dark=True)
+                camera = Camera([take], SIZE, ["momentum", "omega", "force"], dark=True)
                 for picture in range(3):
                     pixels = pixels_of(camera, picture)
                     self.assertEqual(pixels.shape, (SIZE[1], SIZE[0], 3))
@@ -222,8 +222,8 @@ class PictureTest(unittest.TestCase):
         """No letters are smaller than 12 pixels; texts are apart; the body hides no arrow."""
         take = compute(INPUT, 3)
         for size in ((640, 360), (1280, 720)):
-            camera = Camera(take, size, ["momentum"], dark=False, second=take, speed=2.0)
-            bare = Camera(take, size, [], dark=False, second=take, speed=2.0)
+            camera = Camera([take, take], size, ["momentum"], dark=False, speed=2.0)
+            bare = Camera([take, take], size, [], dark=False, speed=2.0)
             pictures = [pixels_of(one, 2) for one in (camera, bare)]
             arrow = np.array([0x75, 0x50, 0xA3])
             seen = [(np.abs(picture - arrow).max(axis=2) < 12).sum() for picture in pictures]

@@ -96,7 +96,7 @@ class InstallTest(unittest.TestCase):
         program = self.prefix / "bin/spintop"
         self.assertIn("method    exact", self.call(program, "--check", scene))
         help_text = self.call(program, "--help")
-        options = re.findall(r" (--[a-z]+)", "".join(re.findall(r"\.B spintop.*", page)))
+        options = re.findall(r" (--[a-z]+)", "".join(re.findall(r"(?m)^spintop.*", page)))
         self.assertEqual(len(options), 4)
         for option in options:
             self.assertIn(option, help_text)

@@ -204,14 +204,14 @@ class LiveTest(LiveCase):
             liveTop.clock.seek(time * liveTop.track.span);
             const done = arguments[1];
             requestAnimationFrame(() => requestAnimationFrame(() => {
-                const { track, clock, charts, parts } = liveTop;
+                const { track, clock, plots, parts } = liveTop;
                 const now = track.at(clock.time);
                 const isAt = ({ mark, margin, ...plot }) => {
                     const [x] = mark.style.transform.match(/[-.\\d]+/g).map(Number);
                     return Math.abs(x - (margin.left + clock.time * plot.perX)) < 0.02;
                 };
                 done([
-                    Object.values(charts.plots).every(isAt),
+                    Object.values(plots).every(isAt),
                     parts.theta.textContent, now.angle[1] * 180 / Math.PI, Number(parts.time.value),
                     track.energy.every((e) => Math.abs(e - track.energy[0]) < 1e-12 * 500),
                 ]);

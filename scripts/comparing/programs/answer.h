@@ -7,22 +7,16 @@
 #include <stdlib.h>
 #include <time.h>
 
-/* Elapsed time of a motion, whatever else the processor does can only lengthen it; processor time of many
- * bodies, as that of a sweep, because one run takes long. */
-static double now(clockid_t clock)
-{
-    struct timespec t;
-    clock_gettime(clock, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-/* The mean time of so many runs one after the other. */
+/* The mean time of so many runs one after the other: elapsed time of a motion, whatever else the processor does can
+ * only lengthen it; processor time of many bodies, as that of a sweep, because one run takes long. */
 static double time_of(int calls, void (*run)(void *), void *what, clockid_t clock)
 {
-    const double start = now(clock);
+    struct timespec start, end;
+    clock_gettime(clock, &start);
     for (int i = 0; i < calls; ++i)
         run(what);
-    return (now(clock) - start) / calls;
+    clock_gettime(clock, &end);
+    return ((double)(end.tv_sec - start.tv_sec) + 1e-9 * (double)(end.tv_nsec - start.tv_nsec)) / calls;
 }
 
 /* Each run starts anew. Those that are short are measured several at a time, so that the clock does not

@@ -39,14 +39,10 @@ def prepare(problem: Problem, method: str, step: float) -> tuple:
     inertia = problem.central
     entries = [inertia[i][j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
     text = MODEL.format(
-        step=step,
-        method=method,
-        gravity=-problem.gravity,
-        joint="ball" if problem.is_top else "free",
-        place=" ".join(map(repr, problem.arm)),
-        mass=problem.mass,
+        step=step, method=method, gravity=-problem.gravity, mass=problem.mass,
+        joint="ball" if problem.is_top else "free", place=" ".join(map(repr, problem.arm)),
         inertia=" ".join(map(repr, entries)),
-    )
+    )  # fmt: skip
     model = mujoco.MjModel.from_xml_string(text)
     model.dof_damping[-3:] = problem.damping
     data = mujoco.MjData(model)

@@ -1,16 +1,9 @@
 // The data of a table, which stand packed in the link that saves them.
 
-/** The bytes that a data URI holds. */
-function bytesOf(address) {
-  const letters = atob(address.slice(address.indexOf(",") + 1));
-  const bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < letters.length; i += 1) bytes[i] = letters.charCodeAt(i);
-  return bytes;
-}
-
-/** The text of the table behind a link. */
+/** The text of the table behind a link, which is a data URI. */
 export async function textOf(link) {
-  const packed = new Blob([bytesOf(link.href)]).stream();
+  const letters = atob(link.href.slice(link.href.indexOf(",") + 1));
+  const packed = new Blob([Uint8Array.from(letters, (letter) => letter.charCodeAt(0))]).stream();
   return new Response(packed.pipeThrough(new DecompressionStream("gzip"))).text();
 }
 

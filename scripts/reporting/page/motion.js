@@ -15,13 +15,8 @@ const ENERGIES = ["kinetic", "potential", "energy"];
 const UPRIGHT = 1e-9; // of sin(theta): below it phi and psi do not exist apart
 
 const plainDisc = {
-  inertia: [1, 1, 1],
-  products: [0, 0, 0],
-  centre: [0, 0, 1],
-  axis: [0, 0, 1],
-  solids: [
-    { kind: "cylinder", radius: 0.5, height: 0.05, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1], place: [0, 0, 1] },
-  ],
+  inertia: [1, 1, 1], products: [0, 0, 0], centre: [0, 0, 1], axis: [0, 0, 1],
+  solids: [{ kind: "cylinder", radius: 0.5, height: 0.05, axes: [1, 0, 0, 0, 1, 0, 0, 0, 1], place: [0, 0, 1] }],
 };
 
 /** The columns of these names side by side, three to a row; null where there are none. */

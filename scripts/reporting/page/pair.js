@@ -32,10 +32,7 @@ export class Pair {
   /** The angles between the attitudes and between the axes of the bodies at a moment, rad. */
   anglesAt({ time, attitude }) {
     const other = this.otherAt(time).attitude;
-    return [
-      angleBetween(attitude, other),
-      angleOf(this.motion.axisOf(attitude), this.other.axisOf(other)),
-    ];
+    return [angleBetween(attitude, other), angleOf(this.motion.axisOf(attitude), this.other.axisOf(other))];
   }
 
   /**
@@ -43,23 +40,12 @@ export class Pair {
    * them are rows of the other motion too, which is else interpolated.
    */
   series() {
-    const rows = [];
-    const stride = Math.ceil(this.motion.count / MOST);
-    for (let row = 0; row < this.motion.count; row += stride) {
-      const time = this.motion.t[row];
-      if (time >= this.start && time <= this.end) rows.push(row);
-    }
-    let hasRows = true;
-    const angles = rows.map((row) => {
-      const moment = this.motion.atRow(row);
-      hasRows &&= this.otherAt(moment.time).row !== null;
-      return this.anglesAt(moment);
-    });
-    return {
-      times: rows.map((row) => this.motion.t[row]),
-      attitudes: angles.map(([attitude]) => attitude),
-      axes: angles.map(([, axis]) => axis),
-      hasRows,
-    };
+    const { motion, start, end } = this;
+    const stride = Math.ceil(motion.count / MOST);
+    const times = [...motion.t].filter((time, row) => row % stride === 0 && time >= start && time <= end);
+    const moments = times.map((time) => motion.at(time));
+    const angles = moments.map((moment) => this.anglesAt(moment));
+    const hasRows = times.every((time) => this.otherAt(time).row !== null);
+    return { times, attitudes: angles.map(([attitude]) => attitude), axes: angles.map(([, axis]) => axis), hasRows };
   }
 }

@@ -1,5 +1,6 @@
 // A plot on a canvas: lines over time, and a mark at the present that moves without drawing anew.
 
+import { extremesOf } from "./dynamics/numbers.js";
 import { coloursOf } from "./stage/stage.js";
 import { minus } from "./text.js";
 
@@ -12,16 +13,6 @@ let colours = null; // to ask for them costs as much as to draw a plot
 /** Have the colours of the page asked for again, which may have become dark. */
 export function forgetColours() {
   colours = null;
-}
-
-/** The least and the largest of numbers; nan is none. */
-export function extremesOf(values) {
-  let [low, high] = [Infinity, -Infinity];
-  for (const value of values) {
-    if (value < low) low = value;
-    if (value > high) high = value;
-  }
-  return [low, high];
 }
 
 /** Round numbers between two values, about so many. */

@@ -1,6 +1,6 @@
 // The numbers of a moment: angles as they stand in the table, rates, angular velocity, energies.
 
-import { extremesOf } from "./plot.js";
+import { extremesOf } from "./dynamics/numbers.js";
 import { aligned, decimalsFor, inDegrees, inFull, withDecimals } from "./text.js";
 
 const ANGLES = ["phi", "theta", "psi"];

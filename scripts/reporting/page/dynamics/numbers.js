@@ -1,4 +1,4 @@
-// Angles with their turns, and places among ascending numbers.
+// Angles with their turns, places among ascending numbers, and extremes.
 
 const TURN = 2 * Math.PI;
 
@@ -16,4 +16,14 @@ export function countUpTo(numbers, value) {
     else high = middle;
   }
   return low;
+}
+
+/** The least and the largest of numbers; nan is none. */
+export function extremesOf(values) {
+  let [low, high] = [Infinity, -Infinity];
+  for (const value of values) {
+    if (value < low) low = value;
+    if (value > high) high = value;
+  }
+  return [low, high];
 }

@@ -15,11 +15,9 @@ function roundUp(value) {
 }
 
 export class Control {
-  /** Called with the name and the value when one has changed it. */
-  onChange = () => {};
-
-  constructor(name, prefix) {
-    this.name = name;
+  /** @param prefix of the names of elements @param onChange called with the value when one has changed it */
+  constructor(name, prefix, onChange) {
+    Object.assign(this, { name, onChange });
     const { symbol, unit, log } = NUMBERS[name];
     const words = say(`number_${name}`);
     const id = `${prefix}-${name}`;
@@ -98,7 +96,7 @@ export class Control {
     const exact = this.isLog ? this.low * (this.high / this.low) ** part : this.low + part * (this.high - this.low);
     const value = Number(exact.toPrecision(5));
     this.#write(Math.abs(value) < 1e-9 * (this.high - this.low) ? 0 : value);
-    this.onChange(this.name, this.value);
+    this.onChange(this.value);
   }
 
   /** Take what was typed, a number with or without a unit; the box shows the number that is used. */
@@ -110,7 +108,7 @@ export class Control {
     if (!fault) this.set(read.value);
     this.box.value = inBox(this.value);
     this.#say(fault && say("fault", { fault, value: `${inBox(this.value)}${unit && ` ${unit}`}` }));
-    if (this.value !== before) this.onChange(this.name, this.value);
+    if (this.value !== before) this.onChange(this.value);
   }
 
   #say(fault) {

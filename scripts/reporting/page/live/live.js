@@ -4,21 +4,22 @@
 import { Vector3 } from "three";
 import { Bar } from "../bar.js";
 import { Player } from "../player.js";
-import { forgetColours } from "../plot.js";
+import { Plot, forgetColours } from "../plot.js";
 import { fillIn } from "../text.js";
-import { Charts } from "./charts.js";
 import { Control, suitRanges } from "./controls.js";
 import { Grip } from "./grip.js";
 import { fillWords, linkOfLanguage, say } from "./language.js";
 import { accountOf, fillPanel, showMoment } from "./panel.js";
 import { Picture } from "./picture.js";
-import { FIRST, PRESETS, presetOf } from "./presets.js";
-import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, stateOfLink } from "./scene.js";
+import PRESETS from "./presets.json"; // their states, and why it is these numbers; the dictionary says what one sees
+import { NUMBERS, SHAPES, complete, consequenceOf, inputOf, linkOf, presetOf, stateOfLink } from "./scene.js";
 import { Second } from "./second.js";
 import { COARSE, FINE, Track } from "./track.js";
 
+const FIRST = "cusp"; // the preset with which the page begins
 const QUIET = 500; // ms without a change before it is announced and the link holds it
-const PLOTS = ["theta", "phi", "psi", "energy"];
+const ANGLES = ["theta", "phi", "psi"];
+const ENERGIES = { kinetic: "kinetic", potential: "potential", energy: "ink" }; // and the colours of their lines
 const PARTS = { step: 1 / 200, page: 1 / 10, end: 1 }; // of the span that keys go
 const STILL = [1920, 1080]; // pixels of a picture
 let made = 0;
@@ -52,8 +53,9 @@ export class LiveTop {
     }, { isEndless: true });
     this.picture = new Picture(this.parts, this.isCalm);
     this.stage = this.picture.stage;
-    const panes = Object.fromEntries(PLOTS.map((name) => [name, this.parts[`plot_${name}`]]));
-    this.charts = new Charts(panes, (time) => this.clock.seek(time));
+    this.plots = Object.fromEntries([...ANGLES, "energy"].map((name) => [
+      name, new Plot(this.parts[`plot_${name}`], (time) => this.clock.seek(time)),
+    ]));
     this.bar = new Bar(section, this.parts, this.clock, this.stage, (how, sign) => {
       this.clock.seek(this.clock.time + sign * PARTS[how] * this.track.span);
     });
@@ -81,11 +83,9 @@ export class LiveTop {
     );
     parts.shape.append(...Object.keys(SHAPES).map((key) => new Option(say(`shape_${key}`), key)));
     this.controls = {};
-    for (const name of Object.keys(NUMBERS)) {
-      const control = new Control(name, prefix);
-      control.onChange = (key, value) => this.change({ [key]: value });
-      this.controls[name] = control;
-      parts[NUMBERS[name].part].append(control.element);
+    for (const [name, { part }] of Object.entries(NUMBERS)) {
+      this.controls[name] = new Control(name, prefix, (value) => this.change({ [name]: value }));
+      parts[part].append(this.controls[name].element);
     }
     this.second = new Second(this, prefix);
   }
@@ -137,19 +137,17 @@ export class LiveTop {
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.#recolour());
     addEventListener("beforeprint", () => this.#putOnPaper());
     addEventListener("afterprint", () => this.#recolour());
-    if (this.ownsLink) {
-      addEventListener("hashchange", () => {
-        const link = location.hash;
-        const state = stateOfLink(link);
-        if (state && link !== `#${this.link()}`) this.load(state, { link });
-      });
-    }
+    addEventListener("hashchange", () => {
+      const link = location.hash;
+      const state = this.ownsLink && stateOfLink(link);
+      if (state && link !== `#${this.link()}`) this.load(state, { link });
+    });
   }
 
   #recolour() {
     forgetColours();
     this.stage.recolour();
-    this.charts.redraw();
+    for (const plot of Object.values(this.plots)) plot.redraw();
   }
 
   /** On paper the stage is a picture, and all is in the colours of paper. */
@@ -168,7 +166,7 @@ export class LiveTop {
 
   /** Show a state, with ranges and a speed that suit it; of a `link` also its second top. */
   load(state, { preset = null, link = "" } = {}) {
-    const { nutations, ...given } = state ?? PRESETS[FIRST];
+    const { nutations, why, ...given } = state ?? PRESETS[FIRST];
     this.state = complete(given);
     Object.assign(this.state, consequenceOf(this.state, {}).fields);
     if (nutations) this.state.t_end = timeOf(this.state, nutations);
@@ -220,8 +218,7 @@ export class LiveTop {
     this.clock.time = Math.min(this.clock.time, this.track.span);
     this.#fill();
     this.#settle();
-    const detail = performance.now() - began;
-    this.section.dispatchEvent(new CustomEvent("computed", { detail }));
+    this.section.dispatchEvent(new CustomEvent("computed", { detail: performance.now() - began }));
   }
 
   /** Bring picture, charts and panel up to the motions. */
@@ -233,8 +230,20 @@ export class LiveTop {
       tops.push({ state: second.state, track: second.track, ...place });
     }
     this.picture.fill(tops);
-    this.charts.draw(track, second.state && second.track);
+    this.#draw(track, second.state && second.track);
     fillPanel(this);
+  }
+
+  /** Draw all charts of a track, and the angles of another beside it. */
+  #draw(track, other) {
+    const span = [0, track.wanted];
+    for (const name of ANGLES) {
+      const line = (of, colour) => ({ t: of.t, values: of[name].map((angle) => (angle * 180) / Math.PI), colour });
+      const beside = other ? [line(other, "quiet")] : [];
+      this.plots[name].draw(span, [...beside, line(track, "trace")], { least: 1e-3 });
+    }
+    const lines = Object.entries(ENERGIES).map(([name, colour]) => ({ t: track.t, values: track[name], colour }));
+    this.plots.energy.draw(span, lines);
   }
 
   /** Once it is quiet: all points, the words for those who do not see it, the link, and the input. */
@@ -283,7 +292,7 @@ export class LiveTop {
   /** Show the moment of the clock. */
   #show() {
     const moment = this.picture.show(this.clock.time);
-    this.charts.show(moment);
+    for (const plot of Object.values(this.plots)) plot.place(moment.t);
     showMoment(this.parts, moment, this.track);
   }
 

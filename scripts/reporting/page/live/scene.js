@@ -4,6 +4,8 @@ import { isPossible, makeBody, startFromAngles } from "../dynamics/body.js";
 import { buildShape } from "../dynamics/shapes.js";
 import { criticalOmega3, steadyRates } from "../dynamics/nutation.js";
 import { say } from "./language.js";
+import NUMBERS from "./numbers.json";
+import PRESETS from "./presets.json";
 
 const DEGREE = Math.PI / 180;
 const TOP_DAMPING = ["damping1", "damping3"];
@@ -24,39 +26,10 @@ export const SHAPES = {
 };
 
 /**
- * The numbers, by their names in the link: symbol, unit, the part of the panel, and the values that are possible. `log`: the slider goes by ratios; `range`: its ends, if they do not depend on the body.
+ * The numbers, by their names in the link: symbol, unit, the part of the panel, the values that are possible, and what each
+ * is `first`. `log`: the slider goes by ratios; `range`: its ends, if they do not depend on the body.
  */
-export const NUMBERS = {
-  omega3: { symbol: "ω₃", unit: "rad/s", part: "start" },
-  theta: { symbol: "θ₀", unit: "°", part: "start", least: 0, most: 180, range: [0, 180] },
-  phi_rate: { symbol: "φ′₀", unit: "rad/s", part: "start" },
-  theta_rate: { symbol: "θ′₀", unit: "rad/s", part: "start" },
-  psi: { symbol: "ψ₀", unit: "°", part: "start", range: [-180, 180] },
-  mass: { symbol: "m", unit: "kg", part: "body", least: 1e-6, log: true },
-  inertia1: { symbol: "I₁", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  inertia2: { symbol: "I₂", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  inertia3: { symbol: "I₃", unit: "kg m²", part: "body", least: 1e-9, log: true },
-  product23: { symbol: "I₂₃", unit: "kg m²", part: "body" },
-  product31: { symbol: "I₃₁", unit: "kg m²", part: "body" },
-  product12: { symbol: "I₁₂", unit: "kg m²", part: "body" },
-  length: { symbol: "l", unit: "m", part: "body", least: 0, log: true },
-  centre_x: { symbol: "x", unit: "m", part: "body" },
-  centre_y: { symbol: "y", unit: "m", part: "body" },
-  centre_z: { symbol: "z", unit: "m", part: "body" },
-  radius: { symbol: "r", unit: "m", part: "body", least: 1e-6, log: true },
-  inner_radius: { symbol: "s", unit: "m", part: "body", least: 0, log: true },
-  thickness: { symbol: "h", unit: "m", part: "body", least: 1e-6, log: true },
-  rod_length: { symbol: "l", unit: "m", part: "body", least: 0, log: true },
-  density: { symbol: "ρ", unit: "kg/m³", part: "body", least: 1e-3, log: true },
-  gravity: { symbol: "g", unit: "m/s²", part: "body", least: 0, range: [0, 25] },
-  damping1: { symbol: "d₁", unit: "N m s", part: "losses", least: 0 },
-  damping2: { symbol: "d₂", unit: "N m s", part: "losses", least: 0 },
-  damping3: { symbol: "d₃", unit: "N m s", part: "losses", least: 0 },
-  friction: { symbol: "M", unit: "N m", part: "losses", least: 0 },
-  amplitude: { symbol: "A", unit: "m", part: "losses", least: 0 },
-  vibration_rate: { symbol: "Ω", unit: "rad/s", part: "losses", least: 0 },
-  t_end: { symbol: "T", unit: "s", part: "span", least: 1e-6, log: true },
-};
+export { NUMBERS };
 const LARGEST = 1e9;
 const THINNEST_RING = 0.99; // the largest hole, as a part of the radius
 const START = ["omega3", "theta", "phi_rate", "theta_rate"];
@@ -67,17 +40,11 @@ export function numbersOf({ shape }) {
   return [...SHAPES[shape], ...ALWAYS];
 }
 
-const DEFAULTS = {
-  shape: "inertia", mass: 1, inertia1: 0.875, inertia2: 0.875, inertia3: 0.25, length: Math.sqrt(0.75),
-  centre_x: 0, centre_y: 0, centre_z: Math.sqrt(0.75), product23: 0, product31: 0, product12: 0,
-  radius: 0.1, inner_radius: 0.05, thickness: 0.02, rod_length: 0.5, density: 2700,
-  gravity: 9.81, theta: 50, psi: 0, omega3: 30, phi_rate: 0, theta_rate: 0, precession: "given",
-  damping1: 0, damping2: 0, damping3: 0, friction: 0, amplitude: 0, vibration_rate: 0, t_end: 5,
-};
+const FIRST = Object.fromEntries(Object.entries(NUMBERS).map(([name, { first }]) => [name, first]));
 
 /** A complete state. */
 export function complete(state) {
-  return { ...DEFAULTS, ...state };
+  return { shape: "inertia", precession: "given", ...FIRST, ...state };
 }
 
 /** Whether a number may stand for a parameter; else why not. */
@@ -161,6 +128,12 @@ export function linkOf(state) {
   const fields = [["shape", state.shape], ...names.map((name) => [name, String(state[name])])];
   if (state.precession !== "given") fields.push(["precession", state.precession]);
   return fields.map(([name, value]) => `${name}=${value}`).join("&");
+}
+
+/** The preset that has a state; empty if none has. */
+export function presetOf(state) {
+  const link = linkOf(state);
+  return Object.keys(PRESETS).find((key) => linkOf(complete(PRESETS[key])) === link) ?? "";
 }
 
 /**

@@ -13,7 +13,6 @@ const FIRST_DIFFERENCE = "omega3";
 
 export class Second {
   #isChanged = false;
-  #control = null;
   #names = ""; // in which it may differ
 
   /** Its state, null if there is no second top. */
@@ -65,19 +64,16 @@ export class Second {
   #differIn(name) {
     const { live, live: { parts } } = this;
     this.differs = name;
-    this.#control = null;
     parts.second_control.replaceChildren();
     if (!name || !this.state) return;
-    this.#control = new Control(name, `${this.prefix}-second`);
-    this.#control.onChange = (_, value) => {
+    const control = new Control(name, `${this.prefix}-second`, (value) => {
       this.state[name] = value;
       this.#isChanged = true;
       live.requestMotion();
-    };
-    parts.second_control.append(this.#control.element);
-    const { low, high } = live.controls[name];
-    this.#control.setRange(low, high);
-    this.#control.set(this.state[name]);
+    });
+    parts.second_control.append(control.element);
+    control.setRange(live.controls[name].low, live.controls[name].high);
+    control.set(this.state[name]);
     this.follow();
   }
 

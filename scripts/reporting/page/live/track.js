@@ -4,7 +4,7 @@ import { times } from "../dynamics/body.js";
 import { Motion } from "../dynamics/motion.js";
 import { describeNutation } from "../dynamics/nutation.js";
 import { buildShape } from "../dynamics/shapes.js";
-import { extremesOf } from "../plot.js";
+import { extremesOf } from "../dynamics/numbers.js";
 import { say } from "./language.js";
 import { resolve } from "./scene.js";
 

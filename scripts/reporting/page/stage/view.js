@@ -1,5 +1,6 @@
 // How large things are drawn, and which part of space is seen.
 
+import { extremesOf } from "../dynamics/numbers.js";
 import { measure } from "./body.js";
 
 const HEIGHTS = 33; // of a trace that are looked at
@@ -16,12 +17,7 @@ function largestOf(table) {
 
 /** The least and the largest height of a trace of unit vectors. */
 function heightsOf(points) {
-  let [low, high] = [1, -1];
-  for (let i = 2; i < points.length; i += 3) {
-    low = Math.min(low, points[i]);
-    high = Math.max(high, points[i]);
-  }
-  return [low, high];
+  return extremesOf(points.filter((_, i) => i % 3 === 2));
 }
 
 /** Calls back with the distance from the vertical and the height of all that is to be seen, m. */
@@ -74,12 +70,8 @@ export function placePanes(count, width, height) {
 /** How long a unit of each vector is drawn, m. */
 export function unitsOf(tops, vectors) {
   const tip = Math.max(...tops.map(({ body }) => measure(body).tip));
-  return Object.fromEntries(
-    Object.entries(vectors).map(([name, table]) => [
-      name,
-      table ? (LONGEST * tip) / (largestOf(table) || 1) : 0,
-    ]),
-  );
+  const unitOf = (table) => (table ? (LONGEST * tip) / (largestOf(table) || 1) : 0);
+  return Object.fromEntries(Object.entries(vectors).map(([name, table]) => [name, unitOf(table)]));
 }
 
 /**

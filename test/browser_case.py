@@ -6,7 +6,6 @@ import functools
 import json
 import os
 import shutil
-import subprocess
 import tempfile
 import time
 import unittest
@@ -15,7 +14,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, execute
 from reporting.packages import PackageError, esbuild_package, need
 from reporting.page import make_alone, make_page, write_page
 from reporting.study import read_study
@@ -27,16 +26,9 @@ HOSTILE = "</script><img src=x onerror=hacked=1>''\"& {{ 7*7 }} <b>"
 """A title that would do harm if it were taken as HTML; quotes as in a namelist."""
 
 FLAGS = (
-    "--headless=new",
-    "--no-sandbox",
-    "--disable-gpu",
-    "--overscroll-history-navigation=0",
-    "--disable-quic",
-    "--no-first-run",
-    "--disable-background-networking",
-    "--disable-component-update",
-    "--disable-sync",
-    "--hide-scrollbars",
+    *("--headless=new", "--no-sandbox", "--disable-gpu", "--overscroll-history-navigation=0"),
+    *("--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--hide-scrollbars"),
 )
 SOFTWARE_WEBGL = ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 NO_WEBGL = ("--disable-3d-apis",)
@@ -76,17 +68,17 @@ def make_study() -> Path:
     folder = new_scratch("report test ") / "study"
     folder.mkdir()
     inputs = [ROOT / "input" / f"{name}.nml" for name in INPUTS]
-    command = [EXE, "--quiet", "-o", folder]
-    subprocess.run([*command, *inputs], check=True, capture_output=True)
+    quiet = (EXE, "--quiet", "-o", folder)
+    execute(*quiet, *inputs)
     columns = "t,phi,theta,psi,phi_rate,theta_rate,psi_rate,kinetic,potential,energy"
-    compared = ("--set", f"output.columns={columns}", ROOT / "input/slow_top_scenario2_rk4.nml")
-    subprocess.run([*command, *compared], check=True, capture_output=True)
+    compared = ROOT / "input/slow_top_scenario2_rk4.nml"
+    execute(*quiet, f"--set=output.columns={columns}", compared)
     hostile = folder / "hostile.nml"
     text = inputs[0].read_text(encoding="utf-8")
     title = next(line for line in text.splitlines() if line.strip().startswith("title"))
     hostile.write_text(text.replace(title, f"    title = '{HOSTILE}'"), encoding="utf-8")
     few = ("--set", "span.samples=41", "--set", "output.columns=t,phi,theta,psi")
-    subprocess.run([*command, *few, hostile], check=True, capture_output=True)
+    execute(*quiet, *few, hostile)
     sections, problems = read_study(folder)
     page, lack = make_page(folder.name, sections, problems)
     if problems or lack:
@@ -113,7 +105,6 @@ def shared_browser(flags: tuple[str, ...]) -> object:
 
 
 def open_browser(profile: Path, *flags: str) -> object:
-    """A browser without a window, driven by selenium."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -148,7 +139,6 @@ class BrowserCase(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make the page, and start the browser."""
         if not BROWSER:
             raise unittest.SkipTest("no browser: scripts/test installs one, where it may")
         need_packages("three", "axe-core", esbuild_package())
@@ -184,11 +174,9 @@ class BrowserCase(unittest.TestCase):
         self.tell("Emulation.setEmulatedMedia", features=features)
 
     def tell(self, command: str, **arguments: object) -> object:
-        """Give the browser a command of its own protocol."""
         return self.browser.execute_cdp_cmd(command, arguments)
 
     def run_script(self, script: str, *arguments: object) -> object:
-        """Run a script in the page, and give what it returns."""
         return self.browser.execute_script(script, *arguments)
 
     def fetched(self) -> set[str]:
@@ -233,20 +221,16 @@ class BrowserCase(unittest.TestCase):
         )
 
     def parts(self, section: object, selector: str) -> list:
-        """The elements of a section."""
         return section.find_elements("css selector", selector)
 
     def part(self, section: object, name: str) -> object:
-        """A part of a moving top."""
         return section.find_element("css selector", f"[data-part={name}]")
 
     def numbers(self, section: object) -> list[float]:
-        """The displayed values of t, phi, theta and psi."""
         texts = [self.part(section, name).text for name in ("t", "phi", "theta", "psi")]
         return [float(text.replace("\N{MINUS SIGN}", "-")) for text in texts]
 
     def picture(self, section: object) -> bytes:
-        """A picture of the drawing."""
         return self.part(section, "stage").screenshot_as_png
 
     @contextlib.contextmanager
@@ -263,7 +247,6 @@ class LiveCase(BrowserCase):
     make_page = staticmethod(make_live_page)
 
     def setUp(self) -> None:
-        """Open the page on a desktop's screen; nothing moves or scrolls by itself."""
         self.set_screen(*DESKTOP, prefers_reduced_motion="reduce")
         self.open(self.page)
 
@@ -276,15 +259,12 @@ class LiveCase(BrowserCase):
 
     @property
     def section(self) -> object:
-        """The live top."""
         return self.browser.find_element("css selector", "section.live")
 
     def text(self, name: str) -> str:
-        """What a part says."""
         return self.part(self.section, name).get_property("textContent")
 
     def choose(self, preset: str) -> None:
-        """Choose a preset."""
         self.run_script(
             "const { preset } = liveTop.parts; preset.value = arguments[0];"
             "preset.dispatchEvent(new Event('change')); liveTop.clock.pause();",
@@ -304,9 +284,7 @@ class LiveCase(BrowserCase):
         box.send_keys(text)
 
     def wait_for_text(self, name: str, words: str) -> None:
-        """Wait until a part says this."""
         wait_for(lambda: words in self.text(name), f"{words} instead of {self.text(name)}")
 
     def wait_for_class(self, name: str) -> None:
-        """Wait until the motion is of this class."""
         wait_for(lambda: self.text("class") == name, f"{name} instead of {self.text('class')}")

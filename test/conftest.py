@@ -36,8 +36,7 @@ MISSING = "this build has no FLINT"
 
 MPI_EXE = os.environ.get("SPINTOP_MPI_EXE", str(ROOT / "build/mpi/spintop"))
 MPI = {
-    "OMPI_ALLOW_RUN_AS_ROOT": "1",
-    "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+    **dict.fromkeys(("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM"), "1"),
     "OMPI_MCA_rmaps_base_oversubscribe": "1",
     "OMPI_MCA_hwloc_base_binding_policy": "none",
     "PRTE_MCA_rmaps_default_mapping_policy": ":oversubscribe",
@@ -48,6 +47,11 @@ needs_mpi = pytest.mark.skipif(
     not (shutil.which("mpirun") and Path(MPI_EXE).is_file()),
     reason="no MPI: scripts/setup --mpi installs and builds what it takes",
 )
+
+
+def each(names: str, *rows: object, **options: object) -> pytest.MarkDecorator:
+    """Marks a test that has these arguments, and that runs once with each row of their values."""
+    return pytest.mark.parametrize(names, rows, **options)
 
 
 def under(ranks: int) -> tuple[str, ...]:
@@ -83,7 +87,6 @@ CLOSED = GOOD[: GOOD.index("&integration")]
 
 
 def quoted(names: Iterable[str]) -> str:
-    """Names as an input has them."""
     return ", ".join(f"'{name}'" for name in names)
 
 
@@ -128,7 +131,6 @@ class Run:
 
     @property
     def rows(self) -> pd.DataFrame:
-        """The rows of the table of the input."""
         return self.table()
 
     @property
@@ -273,6 +275,15 @@ class Spin:
         paths = self.folder.rglob("*")
         return {str(p.relative_to(self.folder)) for p in paths if p.suffix != ".nml"}
 
+    def parts(
+        self, given: str | Path, count: int, *words: str, ending: str = "csv", **options: object
+    ) -> list[str]:
+        """Compute a study in so many parts; the names of their tables."""
+        for part in range(1, count + 1):
+            path = self(given, *words, f"--shard={part}/{count}", **options).path
+        stem = path.relative_to(self.folder).with_suffix("")
+        return [f"{stem}.{part}-of-{count}.{ending}" for part in range(1, count + 1)]
+
     def refuse(self, given: str | Path, *words: str, **files: str) -> str:
         """What is said of an input that is refused, for which nothing is made or printed."""
         before = self.produced() | {f"{file}.csv" for file in files}
@@ -304,6 +315,9 @@ def netcdf_is_missing(*settings: str) -> str:
     words = (f"--set={setting}" for setting in ("output.format=netcdf", *settings))
     said = Spin(ROOT).call("--check", "input/slow_top.nml", *words, code=(0, 2)).stderr
     return "no NetCDF" if re.search("has no NetCDF|no format NetCDF-4", said) else ""
+
+
+needs_netcdf = pytest.mark.skipif(netcdf_is_missing() != "", reason=netcdf_is_missing() or "-")
 
 
 def files_of(size: int) -> Callable[[], None]:
@@ -361,7 +375,6 @@ def wait_until(seen: Callable[[], bool], limit: float = 300) -> None:
 
 
 def listed(topic: str) -> list[dict]:
-    """The entries of a list of the program, for parameters of tests."""
     return Spin(ROOT).listed(topic)
 
 
@@ -383,36 +396,9 @@ class Counts:
     It keeps how long each file took at most, by which the next run has its order.
     """
 
-    def __init__(self) -> None:
-        self.failed: set[str] = set()
-        self.passed: set[str] = set()
-        self.reasons: dict[str, None] = {}  # for which tests were skipped, in their order
-        self.times: Counter[str] = Counter()  # s
-
     def pytest_configure_node(self, node: object) -> None:
         """Tell a process how long the files took in earlier runs."""
         node.workerinput["times"] = node.config.cache.get("spintop/times", {})
-
-    def pytest_collectreport(self, report: pytest.CollectReport) -> None:
-        """Note the outcome of a collection."""
-        self.note(report, "collect")
-
-    def pytest_runtest_logreport(self, report: pytest.TestReport) -> None:
-        """Note the outcome of a phase of a test or of a subtest, and its time."""
-        self.note(report, report.when)
-        self.times[report.nodeid.partition("::")[0]] += report.duration
-
-    def note(self, report: pytest.CollectReport | pytest.TestReport, phase: str) -> None:
-        """Count it, or keep why something was skipped, which is no expected failure."""
-        if report.failed:
-            self.failed.add(report.nodeid)
-        elif report.skipped:
-            if not hasattr(report, "wasxfail"):
-                where = report.longrepr
-                text = where[2] if isinstance(where, tuple) else str(where)
-                self.reasons.setdefault(text.removeprefix("Skipped: "))
-        elif phase == "call":
-            self.passed.add(report.nodeid)
 
     def pytest_report_teststatus(
         self, report: pytest.CollectReport | pytest.TestReport
@@ -422,21 +408,33 @@ class Counts:
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_sessionfinish(self, session: pytest.Session) -> Generator[None]:
-        """Print the counts, after all else."""
+        """Print the counts, after all else, and why tests were left out."""
         yield
-        if session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and self.reasons:
+        config = session.config
+        kept = config.pluginmanager.get_plugin("terminalreporter").stats.values()
+        known = pytest.CollectReport, pytest.TestReport  # of phases of tests, and of subtests
+        reports = [report for part in kept for report in part if isinstance(report, known)]
+        failed = {report.nodeid for report in reports if report.failed}
+        passed = {report.nodeid for report in reports if report.passed and report.when == "call"}
+        left_out = [
+            each.longrepr for each in reports if each.skipped and not hasattr(each, "wasxfail")
+        ]
+        times = Counter(config.cache.get("spintop/times", {}))
+        taken: Counter[str] = Counter()
+        for report in reports:
+            taken[report.nodeid.partition("::")[0]] += getattr(report, "duration", 0)
+        config.cache.set("spintop/times", times | taken)
+        if session.exitstatus == pytest.ExitCode.NO_TESTS_COLLECTED and left_out:
             session.exitstatus = pytest.ExitCode.OK
-        cache = session.config.cache
-        cache.set("spintop/times", Counter(cache.get("spintop/times", {})) | self.times)
-        terminal = session.config.get_terminal_writer()
-        for reason in self.reasons:
-            terminal.line(f"  left out: {reason}")
-        passed = len(self.passed - self.failed)
-        terminal.line(f"{passed} passed, {len(self.failed)} failed", flush=True)
+        terminal = config.get_terminal_writer()
+        for text in dict.fromkeys(
+            str(why[2] if isinstance(why, tuple) else why) for why in left_out
+        ):
+            terminal.line(f"  left out: {text.removeprefix('Skipped: ')}")
+        terminal.line(f"{len(passed - failed)} passed, {len(failed)} failed", flush=True)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the option of scripts/test."""
     parser.addoption("--counts", action="store_true", help='end with "N passed, N failed"')
 
 

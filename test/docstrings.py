@@ -15,7 +15,7 @@ TYPE = re.compile(r"type\s*(?:,([^:]*))?::\s*(\w+)", re.I)
 PUBLIC = re.compile(r"public\s*::\s*(.*)", re.I)
 BINDING = re.compile(r"procedure\s*(?:\((\w+)\))?\s*((?:,[^:]*)?)(?:::)?\s*(.*)", re.I)
 SPECIFIC = re.compile(r"(?:module\s+)?procedure\s*(?:::)?(.*)", re.I)
-GENERIC = re.compile(r"interface\s+(\w+)", re.I)
+GENERIC = re.compile(r"(end\s+)?interface\b\s*(\w*)", re.I)
 NO_DATA = r"type\s*[,:\w]|public\b|private\b|procedure\b"
 DECLARATION = re.compile(rf"(?!{NO_DATA})(?:\([^()]*\)|[^:()])*::", re.I)
 
@@ -26,13 +26,6 @@ class Statement(NamedTuple):
     line: int
     code: str
     comment: str
-
-
-class Item(NamedTuple):
-    """A procedure, type or variable, and where it stands among the statements."""
-
-    name: str
-    index: int
 
 
 def divide(line: str) -> tuple[str, str]:
@@ -72,7 +65,6 @@ def statements(text: str) -> list[Statement]:
 
 
 def match_procedure(code: str) -> re.Match[str] | None:
-    """The header of a subroutine or function."""
     words = code.lower()
     if words.startswith("end") or not ("subroutine" in words or "function" in words):
         return None
@@ -96,34 +88,20 @@ class Source:
         for statement in self.statements:
             if found := PUBLIC.match(statement.code):
                 self.public.update(names_in(found[1]))
-        # Procedures behind the bindings of public types, and behind public generic names.
         self.bound = set(self.bindings())
 
     def bindings(self) -> Iterator[str]:
-        in_public_type = in_bindings = is_private = False
+        """Procedures behind the bindings of types, and behind public generic names."""
         generic = ""
         for _, code, _ in self.statements:
-            if found := TYPE.match(code):
-                in_public_type = found[2].lower() in self.public
-                in_bindings = is_private = False
-            elif re.match(r"end\s+type", code, re.I):
-                in_public_type = False
-            elif in_public_type and re.match(r"contains\b", code, re.I):
-                in_bindings = True
-            elif in_public_type and in_bindings and re.match(r"private\s*$", code, re.I):
-                is_private = True
-            elif in_public_type and in_bindings and (found := BINDING.match(code)):
-                if is_private or "private" in found[2].lower():
-                    continue
-                yield from [found[1].lower()] if found[1] else []
-                for binding in found[3].split(","):
-                    yield binding.split("=>")[-1].strip().lower()
-            elif found := GENERIC.match(code):
-                generic = found[1].lower()
-            elif re.match(r"end\s+interface", code, re.I):
-                generic = ""
+            if found := GENERIC.match(code):
+                generic = "" if found[1] else found[2].lower()
             elif generic in self.public and (found := SPECIFIC.match(code)):
                 yield from names_in(found[1])
+            elif (found := BINDING.match(code)) and "private" not in found[2].lower():
+                yield from [found[1].lower()] if "deferred" in found[2].lower() else []
+                for binding in found[3].split(","):
+                    yield binding.split("=>")[-1].strip().lower()
 
     def is_documented(self, index: int) -> bool:
         """Whether there is a docstring beside a statement, or above it and the group before it."""
@@ -138,24 +116,24 @@ class Source:
                 return False
         return False
 
-    def items(self) -> Iterator[Item]:
-        """The definitions of public items, and of the procedures that are bound to public types."""
+    def items(self) -> Iterator[tuple[str, int]]:
+        """Public items, and procedures that are bound to types: their names and statements."""
         depth = 0
         for index, (_, code, _) in enumerate(self.statements):
             if END.match(code):
                 depth -= 1
             elif found := match_procedure(code):
                 if found[2].lower() in self.public | self.bound:
-                    yield Item(found[2], index)
+                    yield found[2], index
                 depth += 1
             elif depth == 0 and (found := TYPE.match(code)) and found[2].lower() in self.public:
-                yield Item(found[2], index)
+                yield found[2], index
             elif depth == 0 and "::" in code and DECLARATION.match(code):
                 for name in names_in(code.split("::", 1)[1]):
                     if name in self.public:
-                        yield Item(name, index)
+                        yield name, index
 
-    def components(self, types: set[str]) -> Iterator[Item]:
+    def components(self, types: set[str]) -> Iterator[tuple[str, int]]:
         """The components of types, but for private ones."""
         is_open = False
         for index, (_, code, _) in enumerate(self.statements):
@@ -165,7 +143,7 @@ class Source:
             elif re.match(r"(contains|private|end\s+type)\b", code, re.I):
                 is_open = False
             elif is_open and names and "private" not in kind.lower():
-                yield from (Item(name, index) for name in names_in(names))
+                yield from ((name, index) for name in names_in(names))
 
     def undocumented_items(self) -> Iterator[str]:
         """Public items without a docstring, each with its line."""

@@ -6,6 +6,7 @@ unknowns that no measurement tells apart, `draw_tumbling` a body without symmetr
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,26 +51,25 @@ class Drawn:
     given: dict[str, Any]
 
     def fit(self, *, loss: str = "tukey", knows_sigma: bool = True) -> spintop.Result:
-        """The fit of the case."""
         sigma = self.sigma if knows_sigma else None
         given = {**self.given, "fit": {"loss": loss}}
         return spintop.fit(self.data, list(self.truth), given, sigma=sigma)
 
 
+def moved(top: dict, start: dict, t: np.ndarray, columns: Sequence[str]) -> spintop.Motion:
+    """The true motion."""
+    top = spintop.Top(spintop.Body(**top), **start)
+    return top.integrate(t, columns, relative_tolerance=1e-12)
+
+
 def draw(number: int, seed: int = 1) -> Drawn:
-    """A case by its number."""
     rng = np.random.default_rng([seed, number])
     kind = KINDS[number % len(KINDS)]
-    top, start, sigma, sought, offsets = {
-        "spin-down": spin_down,
-        "toy": toy,
-        "gyroscope": gyroscope,
-    }[kind](rng)
+    motions = {"spin-down": spin_down, "toy": toy, "gyroscope": gyroscope}
+    top, start, sigma, sought, offsets = motions[kind](rng)
     t_end = rng.uniform(5, 30)
     t = np.linspace(0, t_end, int(t_end * rng.uniform(40, 110)))
-    motion = spintop.Top(spintop.Body(**top), **start).integrate(
-        t, list(sigma), relative_tolerance=1e-12
-    )
+    motion = moved(top, start, t, list(sigma))
     for begin in rng.uniform(0.1, 0.9, 2) * t_end:
         t = t[(t < begin) | (t > begin + GAP * t_end)]
     kept = np.searchsorted(np.linspace(0, t_end, motion[next(iter(sigma))].size), t - 1e-12)
@@ -77,9 +77,8 @@ def draw(number: int, seed: int = 1) -> Drawn:
     for name, deviation in sigma.items():
         readings = motion[name][kept] + rng.normal(0, deviation, t.size) + offsets.get(name, 0)
         wrong = rng.random(t.size) < WRONG
-        readings[wrong] += (
-            rng.choice([-1, 1], wrong.sum()) * rng.uniform(10, 100, wrong.sum()) * deviation
-        )
+        sizes = rng.choice([-1, 1], wrong.sum()) * rng.uniform(10, 100, wrong.sum())
+        readings[wrong] += sizes * deviation
         readings[rng.random(t.size) < MISSING] = np.nan
         data[name] = readings
     truth, given = {}, {"top": dict(top), "initial": dict(start)}
@@ -100,9 +99,7 @@ def draw_redundant(number: int, seed: int = 1) -> tuple[dict, tuple[str, ...], d
     start = {"phi": 0.3, "psi": 0.2, **start}
     noise = (0.0, 1e-3, 0.1)[number // len(REDUNDANT) % 3]
     t = np.linspace(0.02, rng.uniform(1, 10), rng.integers(60, 300))
-    motion = spintop.Top(spintop.Body(**top), **start).integrate(
-        t, columns, relative_tolerance=1e-12
-    )
+    motion = moved(top, start, t, columns)
     data = {"t": t} | {name: motion[name] + rng.normal(0, noise, t.size) for name in columns}
     given = {"top": {"gravity": 9.81, **top}, "initial": start}
     for name in unknown:
@@ -118,19 +115,13 @@ def draw_tumbling(number: int, seed: int = 1) -> tuple[dict, tuple[str, ...], di
     The search begins at the truth, or a thousandth from it.
     """
     rng = np.random.default_rng([seed, number])
-    top = {
-        "mass": 1.0,
-        "inertia": (0.9, rng.uniform(0.65, 0.85), rng.uniform(0.3, 0.5)),
-        "length": rng.uniform(0.1, 0.3),
-        "damping": (rng.uniform(0, 0.005),) * 3,
-    }
+    top = {"mass": 1.0, "inertia": (0.9, rng.uniform(0.65, 0.85), rng.uniform(0.3, 0.5))}
+    top |= {"length": rng.uniform(0.1, 0.3), "damping": (rng.uniform(0, 0.005),) * 3}
     start = {"theta": rng.uniform(0.5, 2), "psi": 0.8, "phi_rate": 0.2, "theta_rate": -0.4}
     start["omega3"] = rng.uniform(4, 9)
     columns, noise = ("omega1", "omega2", "omega3"), 0.05
     t = np.linspace(0, rng.uniform(80, 200), 150)
-    motion = spintop.Top(spintop.Body(**top), **start).integrate(
-        t, columns, relative_tolerance=1e-12
-    )
+    motion = moved(top, start, t, columns)
     data = {"t": t} | {name: motion[name] + rng.normal(0, noise, t.size) for name in columns}
     given = {"top": top, "initial": start | {"omega3": start["omega3"] * (1, 1.001)[number % 2]}}
     given["integration"] = {"relative_tolerance": 1e-12}
@@ -156,12 +147,8 @@ def set_value(keys: dict[str, Any], key: str, value: float) -> None:
 def spin_down(rng: np.random.Generator) -> tuple:
     """A balanced rotor that a bearing slows, with a tachometer."""
     inertia3 = 3e-4
-    top = {
-        "mass": 0.2,
-        "inertia": (2e-4, 2e-4, inertia3),
-        "centre_of_mass": (0.0, 0.0, 0.0),
-        "damping": (0.0, 0.0, inertia3 / rng.uniform(5, 30)),
-    }
+    top = {**FREE, "inertia": (2e-4, 2e-4, inertia3)}
+    top["damping"] = (0.0, 0.0, inertia3 / rng.uniform(5, 30))
     start = {"theta": 0.5, "omega3": rng.uniform(50, 300)}
     sought = ("initial.omega3", "top.damping(3)", "offset.omega3")
     return top, start, {"omega3": 0.3}, sought, {"omega3": rng.uniform(-1, 1)}
@@ -172,12 +159,8 @@ def toy(rng: np.random.Generator) -> tuple:
     mass, length, across = 0.08, 0.04, rng.uniform(1e-4, 3e-4)
     along = across * rng.uniform(0.3, 1)
     threshold = math.sqrt(4 * across * mass * 9.81 * length) / along
-    top = {
-        "mass": mass,
-        "inertia": (across, across, along),
-        "length": length,
-        "damping": (0.0, 0.0, along / rng.uniform(20, 100)),
-    }
+    top = {"mass": mass, "inertia": (across, across, along), "length": length}
+    top["damping"] = (0.0, 0.0, along / rng.uniform(20, 100))
     start = {"theta": rng.uniform(0.15, 0.9), "omega3": threshold * rng.uniform(1.3, 4)}
     sought = ("top.inertia(1)", "initial.omega3", "top.damping(3)", "initial.theta", "offset.theta")
     return top, start, {"theta": 0.004, "phi": 0.004}, sought, {"theta": rng.uniform(-0.02, 0.02)}
@@ -188,17 +171,8 @@ def gyroscope(rng: np.random.Generator) -> tuple:
     across = rng.uniform(2e-4, 6e-4)
     along = across * rng.uniform(0.8, 1.6)
     top = {"mass": 0.15, "inertia": (across, across, along), "length": 0.03}
-    start = {
-        "theta": rng.uniform(0.5, 1.8),
-        "omega3": rng.uniform(60, 400),
-        "phi_rate": rng.uniform(3, 8),
-    }
-    sought = (
-        "top.inertia(1)",
-        "top.inertia(3)",
-        "initial.omega3",
-        "initial.phi_rate",
-        "offset.theta",
-    )
+    start = {"theta": rng.uniform(0.5, 1.8), "omega3": rng.uniform(60, 400)}
+    start["phi_rate"] = rng.uniform(3, 8)
+    sought = ("top.inertia(1)", "top.inertia(3)", "initial.omega3", "initial.phi_rate")
     sigma = {"theta": 0.004, "phi": 0.004, "omega3": 0.5}
-    return top, start, sigma, sought, {"theta": rng.uniform(-0.02, 0.02)}
+    return top, start, sigma, (*sought, "offset.theta"), {"theta": rng.uniform(-0.02, 0.02)}

@@ -27,7 +27,6 @@ LETTERS = 6.5
 
 
 def texts(figure: Figure) -> list[str]:
-    """All texts of a figure."""
     return sorted(text.get_text() for text in figure.findobj(Text))
 
 
@@ -68,7 +67,6 @@ def axes_of(figure: Figure) -> list[tuple[Axes, str, Axis]]:
 
 
 def look_at_axis(axis: Axis) -> tuple[list[Text], list[str]]:
-    """The labels of an axis, and what is wrong with them."""
     low, high = sorted(axis.get_view_interval())
     ticks = [tick for tick in axis._update_ticks() if low <= tick.get_loc() <= high]
     shown = [tick for tick in ticks if tick.label1.get_visible() or tick.label2.get_visible()]
@@ -91,7 +89,6 @@ def look_at_axis(axis: Axis) -> tuple[list[Text], list[str]]:
 
 
 def other_texts(figure: Figure) -> Iterator[Text]:
-    """All texts but those at ticks."""
     ticks = set()
     for axes, _, axis in axes_of(figure):
         ticks |= set(axis.findobj(Text)) - ({axis.label} if axes.axison else set())

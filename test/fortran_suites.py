@@ -82,8 +82,6 @@ class Suite(pytest.File):
 
 
 class FortranTest(pytest.Item):
-    """A test of a suite."""
-
     def runtest(self) -> None:
         """Ask the program; at the limit of time it ends too."""
         try:
@@ -104,5 +102,4 @@ class FortranTest(pytest.Item):
 
 
 def pytest_collect_file(parent: pytest.Collector, file_path: Path) -> Suite | None:
-    """Collect a file of pFUnit."""
     return Suite.from_parent(parent, path=file_path) if file_path.suffix == ".pf" else None

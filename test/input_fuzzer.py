@@ -35,13 +35,9 @@ def check_seeds(folder: Path, seeds: range) -> None:
 
 def faults_of(path: Path) -> list[str]:
     """Errors in the answer to an input."""
-    run = subprocess.run(
-        [EXE, "--check", path.name],
-        cwd=path.parent,
-        capture_output=True,
-        check=False,
-        timeout=PATIENCE,
-    )
+    command = [EXE, "--check", path.name]
+    options = {"cwd": path.parent, "capture_output": True, "timeout": PATIENCE}
+    run = subprocess.run(command, check=False, **options)
     if run.returncode < 0:
         return [f"signal {signal.Signals(-run.returncode).name}"]
     faults = []

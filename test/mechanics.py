@@ -18,7 +18,6 @@ def rotation(p: np.ndarray) -> np.ndarray:
 
 
 def product(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The product of two quaternions."""
     a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
     vector = a[0] * b[1:] + b[0] * a[1:] + np.cross(a[1:], b[1:])
     return np.concatenate([[a[0] * b[0] - a[1:] @ b[1:]], vector])

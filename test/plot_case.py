@@ -2,7 +2,6 @@
 
 import atexit
 import math
-import os
 import runpy
 import shutil
 import subprocess
@@ -17,7 +16,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import Spin, called
+from conftest import Spin, called, execute
 from figure_checks import problems_of
 from spintop_figures import draw
 from spintop_figures.registry import FIGURES
@@ -87,7 +86,6 @@ def a_sweep(parameter: str = "initial.spin_ratio", status: str = "ok", cases: in
 
 
 def a_table(kind: str, columns: list[str], rows: list[list[object]]) -> str:
-    """A table of these rows."""
     lines = [",".join(map(str, row)) for row in [columns, *rows]]
     return HEAD.format(kind=kind) + "\n".join([*lines, ""])
 
@@ -160,20 +158,14 @@ PRECISION = [
 ]
 
 STAGES = {
-    ("euler_forward", "lagrange"): (1, 1),
-    ("rk2", "lagrange"): (2, 2),
-    ("rk4", "lagrange"): (4, 4),
-    ("rk4", "rigid_body"): (4, 4),
-    ("gauss_4", "space_frame"): (4, 8),
-    ("gauss_8", "space_frame"): (8, 20),
-    ("splitting_4", "space_frame"): (4, 6),
-    ("splitting_8", "space_frame"): (8, 17),
-    ("dop853", "lagrange"): (8, 12),
-    ("dop853", "space_frame"): (8, 12),
+    ("euler_forward", "lagrange"): (1, 1), ("rk2", "lagrange"): (2, 2),
+    ("rk4", "lagrange"): (4, 4), ("rk4", "rigid_body"): (4, 4),
+    ("gauss_4", "space_frame"): (4, 8), ("gauss_8", "space_frame"): (8, 20),
+    ("splitting_4", "space_frame"): (4, 6), ("splitting_8", "space_frame"): (8, 17),
+    ("dop853", "lagrange"): (8, 12), ("dop853", "space_frame"): (8, 12),
     ("ode45", "lagrange"): (5, 6),
-    ("taylor", "rigid_body"): (20, 20),
-    ("heyoka", "space_frame"): (20, 20),
-}
+    ("taylor", "rigid_body"): (20, 20), ("heyoka", "space_frame"): (20, 20),
+}  # fmt: skip
 """Orders and stages of made-up methods."""
 
 
@@ -210,9 +202,8 @@ def some_events(count: int = 25, swing: float = 0.1) -> str:
         for i in range(count)
     ]
     rows += [["psi=0 rising", 1, 0.3, 0.5, 0.1]] if count else []
-    return a_table("trajectory", ["event", "number", "t", "theta", "theta_rate"], rows) + (
-        "# status: ok\n"
-    )
+    columns = ["event", "number", "t", "theta", "theta_rate"]
+    return a_table("trajectory", columns, rows) + "# status: ok\n"
 
 
 @cache
@@ -228,8 +219,6 @@ def computed(name: str, *settings: str) -> Path:
 class TableCase(unittest.TestCase):
     """Works in a folder that goes away, whose name has a space."""
 
-    folder: Path
-
     def assert_good_look(self, table: Table, name: str, names: tuple[str, ...] = ()) -> None:
         """A reader of a figure has nothing to complain of, on a page and in a column.
 
@@ -241,39 +230,33 @@ class TableCase(unittest.TestCase):
                 found = problems_of(draw(table, name, width=width))
                 self.assertEqual([one for one in found if not one.startswith(names)], [])
 
-    def put(self, name: str, text: str) -> Path:
-        """Write a table."""
+    def put(self, name: str, text: str | bytes) -> Path:
         path = self.folder / name
-        path.write_text(text, encoding="utf-8")
+        path.write_bytes(text if isinstance(text, bytes) else text.encode())
         return path
 
     def read(self, text: str) -> Table:
-        """A made-up table."""
         return read_table(self.put("a.csv", text))
 
     def compute(self, name: str, *settings: str) -> Table:
-        """The table of an input with settings."""
         shutil.copytree(computed(name, *settings), self.folder, dirs_exist_ok=True)
         return read_table(self.folder / f"{name}.csv")
 
     def refusal(self, name: str, table: Table) -> str:
-        """Why a table has no figure of this name."""
         return next(kind for kind in FIGURES if kind.name == name).refusal(table)
 
     def plot(self, *arguments: str | Path, **environment: str) -> subprocess.CompletedProcess:
-        """Run scripts/plot."""
-        command = [sys.executable, SCRIPTS / "plot", *arguments]
-        return subprocess.run(
-            command, capture_output=True, text=True, check=False, env=os.environ | environment
-        )
+        words = (sys.executable, SCRIPTS / "plot", *arguments)
+        return execute(*words, code=None, environment=environment)
 
-    def call(self, *arguments: str | Path) -> tuple[int, str]:
-        """Run its main procedure here, which is faster; give exit code and standard error."""
+    def call(self, *arguments: str | Path, code: int = 0) -> str:
+        """Run its main procedure here, which is faster; give standard error."""
         script = str(SCRIPTS / "plot")
         with unittest.mock.patch("gc.disable"), unittest.mock.patch("atexit.register"):
             main = runpy.run_path(script)["main"]
-        code, _, complaints = called(main, script, *arguments)
-        return code, complaints
+        found, _, complaints = called(main, script, *arguments)
+        assert found == code, complaints
+        return complaints
 
     def figures_of(self, text: str) -> str:
         """Names of the figures that belong to a table."""
@@ -285,7 +268,7 @@ class TableCase(unittest.TestCase):
         paths = [self.put(f"{name}.csv", text) for name, (text, _) in tables.items()]
         with warnings.catch_warnings():
             warnings.simplefilter("error", UserWarning)
-            assert self.call(*paths) == (0, "")
+            assert self.call(*paths) == ""
         expected = {f"{name}_{kind}" for name, (_, kinds) in tables.items() for kind in kinds}
         self.check_pictures(self.folder, expected)
 

@@ -36,6 +36,9 @@ WORDS = (
 )  # fmt: skip
 
 
+BYTES = (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
+
+
 @dataclass(frozen=True)
 class Vocabulary:
     """Registries of the program: parameters with sizes, methods, formulations, tables, columns."""
@@ -52,7 +55,6 @@ class Vocabulary:
 
 @cache
 def vocabulary(program: str) -> Vocabulary:
-    """The lists of the program."""
     told = subprocess.run([program, "list", "--json"], capture_output=True, check=True)
     known = json.loads(told.stdout)
     parameters, choices = {}, {}
@@ -87,11 +89,9 @@ class Writer:
         self.groups: Groups = {}
 
     def chance(self, probability: float) -> bool:
-        """Whether something of this probability happens."""
         return self.random.random() < probability
 
     def pick(self, choices: list[str] | tuple[str, ...]) -> str:
-        """One of these."""
         return self.random.choice(list(choices))
 
     def number(self, low: float, high: float) -> float:
@@ -111,7 +111,6 @@ class Writer:
             )
 
     def text(self) -> str:
-        """The text of the input file."""
         lines = []
         for group, values in self.groups.items():
             lines += [f"&{group}", *(f"    {key} = {value}" for key, value in values.items()), "/"]
@@ -137,7 +136,6 @@ class Writer:
         return self.text()
 
     def body(self) -> None:
-        """The body."""
         if self.symmetric and self.chance(0.25):
             shape = self.pick(tuple(SHAPES))
             self.put("top", shape=shape)
@@ -162,7 +160,6 @@ class Writer:
             self.put("top", gravity=self.random.choice([0.0, 1.62, 9.81e-6, 24.8]))
 
     def start(self) -> None:
-        """The start."""
         put, number = self.put, self.number
         if self.chance(0.15):
             turn = [number(-1, 1) for _ in range(4)]
@@ -212,7 +209,6 @@ class Writer:
             self.put("effects", **keys)
 
     def span(self) -> None:
-        """The time span, and what ends it."""
         if not self.general and self.chance(0.3):
             self.put("span", nutations=self.number(0.1, 3))
         else:
@@ -221,7 +217,6 @@ class Writer:
             self.put("span", stop_at=self.pick(EVENTS), stop_after=self.random.randint(1, 3))
 
     def method(self) -> tuple[str, str]:
-        """A method, and a formulation that it runs under."""
         method = self.pick((*self.words.fixed, *self.words.adaptive, "auto", "exact"))
         allowed = self.words.formulations.get(method) or ("rigid_body", "space_frame", *PAPER)
         if self.general:
@@ -236,7 +231,6 @@ class Writer:
         return method, formulation
 
     def integration(self) -> None:
-        """The group of the method."""
         method, formulation = self.method()
         self.put("integration", method=method, formulation=formulation)
         if formulation == "auto" and method != "auto":
@@ -264,7 +258,6 @@ class Writer:
             self.put("integration", project=self.pick(("none", "unit", "invariants")))
 
     def trajectory(self) -> None:
-        """A trajectory."""
         self.span()
         self.integration()
         if not self.fixed:
@@ -284,7 +277,6 @@ class Writer:
             self.put("output", events=self.random.sample(EVENTS, self.random.randint(1, 3)))
 
     def sweep(self) -> None:
-        """A sweep."""
         self.span()
         self.integration()
         given = [
@@ -330,7 +322,6 @@ class Writer:
                     self.put("statistics", **{"from": 0.0, "to": 3.2})
 
     def range_of(self, key: str) -> tuple[float, float]:
-        """Values that a key may have, around that of the input."""
         group, _, name = key.partition(".")
         if key == "top.inertia(3)":
             middle = float(self.groups["top"]["inertia"].split(", ")[2])
@@ -340,7 +331,6 @@ class Writer:
         return (low, high) if name not in ("theta",) else (max(low, 0.0), min(high, 3.14159))
 
     def work_precision(self) -> None:
-        """A study of work and precision."""
         self.put("span", t_end=self.number(0.05, 1))
         self.put("integration", max_steps=3000)
         methods = self.random.sample([*self.words.fixed, *self.words.adaptive], 3)
@@ -350,7 +340,6 @@ class Writer:
         self.put("work_precision", tolerances=[1e-5, 1e-9], steps=[20, 80], repeats=1)
 
     def stability(self) -> None:
-        """A study of stability."""
         self.put("span", t_end=self.number(0.05, 1))
         self.put("integration", max_steps=3000, steps=200)
         self.put("stability", cases=self.random.sample([*CASES, "input"], 1))
@@ -385,7 +374,6 @@ LONG = ("lyapunov_exponent", "orientation_error")
 
 
 def plausible_input(program: str, seed: int) -> str:
-    """An input that is likely to be accepted."""
     return Writer(program, seed).plausible()
 
 
@@ -411,12 +399,7 @@ def damaged(data: bytes, draw: random.Random) -> bytes:
         elif change == 3:
             piece = draw.choice(WORDS).encode() + piece
         else:
-            piece = (
-                draw.choice(
-                    (b"\n", b"\r\n", b"\t", b"\0", b"\xff", b"'", b'"', b"&", b"/", b"=", b"!")
-                )
-                + piece
-            )
+            piece = draw.choice(BYTES) + piece
         data = data[:place] + piece + data[place + length :]
         if not data:
             return b"&"

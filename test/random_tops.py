@@ -33,24 +33,15 @@ class Start:
 
 
 class Draw:
-    """A top to be, with helpers that draw its data."""
-
     def __init__(self, seed: int) -> None:
         self.random = random.Random(seed)
+        self.uniform = self.random.uniform
         self.i1, self.i3 = self.log(0.05, 20), 0.0
         self.i3 = self.i1 * self.random.choice([self.log(1e-3, 0.1), self.uniform(0.1, 2), 1.0])
         self.mass, self.gravity, self.length = self.log(0.1, 10), 9.81, self.log(0.05, 3)
         self.phi, self.psi = self.uniform(-4, 4), self.uniform(-4, 4)
-        self.theta, self.phi_rate, self.theta_rate, self.omega3 = (
-            self.uniform(0.05, 3.09),
-            0.0,
-            0.0,
-            0.0,
-        )
-
-    def uniform(self, low: float, high: float) -> float:
-        """A number between two others."""
-        return self.random.uniform(low, high)
+        self.theta = self.uniform(0.05, 3.09)
+        self.phi_rate, self.theta_rate, self.omega3 = 0.0, 0.0, 0.0
 
     def log(self, low: float, high: float) -> float:
         """A number between two others, uniform in its logarithm."""
@@ -72,7 +63,6 @@ class Draw:
 
     @property
     def rate(self) -> float:
-        """A rate that belongs to the motion."""
         swing = math.hypot(self.theta_rate, self.phi_rate)
         return math.hypot(math.sqrt(self.beta), self.i3 * self.omega3 / self.i1, swing)
 
@@ -155,7 +145,6 @@ def draw_plane(top: Draw) -> None:
 
 
 def draw_spherical(top: Draw) -> None:
-    """I1 = I3."""
     top.i3 = top.i1
     draw_slow(top)
 
@@ -183,18 +172,9 @@ def draw_weightless(top: Draw) -> None:
 
 
 CLASSES: dict[str, Callable[[Draw], None]] = {
-    "slow": draw_slow,
-    "fast": draw_fast,
-    "sleeping": draw_sleeping,
-    "separatrix": draw_separatrix,
-    "at a pole": draw_at_pole,
-    "near a pole": draw_near_pole,
-    "cusp": draw_cusp,
-    "loop": draw_loop,
-    "plane": draw_plane,
-    "spherical": draw_spherical,
-    "steady": draw_steady,
-    "weightless": draw_weightless,
+    name.removeprefix("draw_").replace("_", " "): draw
+    for name, draw in list(globals().items())
+    if name.startswith("draw_")
 }
 
 
@@ -207,22 +187,11 @@ def draw_top(number: int, seed: int) -> tuple[str, Start, float]:
     mass, length, time = (
         (10.0 ** top.uniform(-UNITS, UNITS) for _ in range(3)) if number % 3 == 0 else (1.0,) * 3
     )
-    spin_is_omega3 = top.random.random() < 0.5 or kind == "at a pole"
+    spin_is_omega3 = top.random.random() < 0.5 or kind == "at pole"
     spin = top.omega3
     if not spin_is_omega3:
         spin -= top.phi_rate * math.cos(top.theta)
-    start = Start(
-        top.i1 * mass * length**2,
-        top.i3 * mass * length**2,
-        top.mass * mass,
-        top.gravity * length / time**2,
-        top.length * length,
-        top.phi,
-        top.theta,
-        top.psi,
-        top.phi_rate / time,
-        top.theta_rate / time,
-        spin / time,
-        spin_is_omega3,
-    )
-    return kind, start, span * time
+    body = (top.i1 * mass * length**2, top.i3 * mass * length**2, top.mass * mass)
+    places = (top.gravity * length / time**2, top.length * length, top.phi, top.theta, top.psi)
+    rates = (top.phi_rate / time, top.theta_rate / time, spin / time)
+    return kind, Start(*body, *places, *rates, spin_is_omega3), span * time

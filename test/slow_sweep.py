@@ -55,7 +55,6 @@ class Sweep:
 
     @contextmanager
     def start(self, *words: str | Path, **options: object) -> Iterator[subprocess.Popen[str]]:
-        """Start it on one thread, and do not wait for it."""
         given = (self.name, *self.words, "--threads", "1", *words)
         with self.spin.start(*given, **self.options | options) as run:
             yield run
@@ -66,7 +65,6 @@ class Sweep:
         return self.spin.journalled(self.table)
 
     def wait(self, run: subprocess.Popen[str], rows: int) -> None:
-        """Wait until the journal has so many rows."""
         wait_until(lambda: self.rows >= rows or run.poll() is not None)
         assert self.rows >= rows, "the run ended too early"
 
@@ -81,7 +79,6 @@ class Sweep:
         return run.returncode, said
 
     def read(self, name: str) -> bytes:
-        """A file of the folder."""
         return (self.spin.folder / name).read_bytes()
 
     def check(self, folder: str = "output") -> None:
@@ -92,5 +89,4 @@ class Sweep:
             assert (path / name).read_bytes() == content, name
 
     def clear(self, folder: str = "output") -> None:
-        """Remove what it made."""
         shutil.rmtree(self.spin.folder / folder, ignore_errors=True)

@@ -5,15 +5,14 @@ SPINTOP_LONG_CASES is the largest number of places that are tried for a kind of 
 
 import os
 
-import pytest
-
+from conftest import each
 from faults_test import CALLS, INPUTS, Fault, faulty, kinds_of, sample  # noqa: F401
 
 MOST = int(os.environ.get("SPINTOP_LONG_CASES", "1000000"))
 
 
-@pytest.mark.parametrize("call", CALLS)
-@pytest.mark.parametrize("name", INPUTS)
+@each("call", *CALLS)
+@each("name", *INPUTS)
 def test_every_call(faulty, name, call):  # noqa: F811 - it is the fixture
     """All numbers of all calls, as in the sample."""
     expected, counts = faulty.prepare(name)

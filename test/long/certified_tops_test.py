@@ -115,7 +115,6 @@ def test_too_many_steps(spin):
 
 
 def look_at(spin, numbers, worst):
-    """Compute some tops at once."""
     drawn = {number: shortened(*draw_top(number, SEED)) for number in numbers}
     for number, (_, start, span) in drawn.items():
         key = "omega3" if start.spin_is_omega3 else "psi_rate"

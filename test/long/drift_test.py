@@ -54,7 +54,6 @@ def scene(start: dict[str, float], formulation: str, span: str, more: str = "") 
 
 
 def run(folder: Path, name: str, text: str) -> dict[str, list[float]]:
-    """The columns of the table of an input."""
     words = ("--quiet", "--threads=1", "--output=.")
     rows = Spin(folder)(text, *words, name=name).rows
     return {column: rows[column].to_list() for column in rows}
@@ -67,8 +66,6 @@ def root_mean_square(errors: list[float]) -> float:
 @pytest.mark.usefixtures("folder")
 class DriftTest(unittest.TestCase):
     """Root mean squares over an ensemble, early in the span and at its end."""
-
-    folder: Path
 
     def check(self, kind: str, sizes: dict[str, tuple[float, float]], growth: float) -> None:
         """The errors grow with the root of time, and remain within the rounding of the state."""
@@ -83,19 +80,14 @@ class DriftTest(unittest.TestCase):
                     self.assertLess(late, LARGEST_NORM)
 
     def follow(self, kind: str, formulation: str, more: str, symmetric: bool) -> None:
-        """Motions, each on its own."""
-
         def errors_of(k: int) -> dict[str, list[float]]:
             span = f"t_end = {NUTATIONS * PERIOD}  samples = {SAMPLES}"
             text = scene(start_of(k, symmetric), formulation, span, more)
             text += "&output columns = 't', 'energy_error', 'lz', 'norm_error' /\n"
             rows = run(self.folder, str(k), "&study kind = 'trajectory' /\n" + text)
             lz = rows["lz"]
-            return {
-                "energy": rows["energy_error"],
-                "Lz": [(value - lz[0]) / max(abs(lz[0]), 0.5) for value in lz],
-                "norm": rows["norm_error"],
-            }
+            change = [(value - lz[0]) / max(abs(lz[0]), 0.5) for value in lz]
+            return {"energy": rows["energy_error"], "Lz": change, "norm": rows["norm_error"]}
 
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             errors = list(pool.map(errors_of, range(TOPS)))
@@ -106,16 +98,10 @@ class DriftTest(unittest.TestCase):
         sizes = {name: (size(name, EARLY), size(name, LATE)) for name in errors[0]}
         self.check(kind, sizes, (LATE.start + LATE.stop - 1) / (EARLY.start + EARLY.stop - 1))
 
-    def test_space_frame(self) -> None:
-        """Symmetric tops; over 1e5 nutations the power of Lz is 0.71, by few of them."""
+    def test_motions(self) -> None:
+        """Symmetric tops, of which over 1e5 nutations the power of Lz is 0.71, and others."""
         self.follow("space_frame", "space_frame", "", True)
-
-    def test_rigid_body(self) -> None:
-        """Symmetric tops and others."""
         self.follow("rigid_body", "rigid_body", "", False)
-
-    def test_effects(self) -> None:
-        """With a rotor on the axis."""
         self.follow("rotor", "rigid_body", ROTOR, False)
 
     def test_lanes(self) -> None:

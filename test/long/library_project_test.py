@@ -9,8 +9,6 @@ from manual_test import ManualCase, parts_of_library_page
 
 
 class LibraryProjectTest(ManualCase):
-    """A project that names the library as a dependency."""
-
     def test_it_is_built(self) -> None:
         """It is built as the page says, and prints what the page says."""
         parts = parts_of_library_page()
@@ -24,6 +22,5 @@ class LibraryProjectTest(ManualCase):
         activate = Path(sys.executable).parent / "activate"
         fpm = f". '{activate}' && '{sys.executable}' -m fpm"
         self.assertEqual(self.shell(f"cd my_top && {fpm} build").returncode, 0)
-        self.check_output(
-            self.shell(f"cd my_top && {fpm} run 2>/dev/null"), parts["text", "output"]
-        )
+        done = self.shell(f"cd my_top && {fpm} run 2>/dev/null")
+        self.check_output(done, parts["text", "output"])

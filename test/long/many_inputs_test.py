@@ -9,5 +9,4 @@ FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1000"))
 
 
 def test_inputs(folder):
-    """Keys and values of any kind, and bytes."""
     check_seeds(folder, range(FIRST, FIRST + INPUTS))

@@ -24,10 +24,7 @@ CONTAINER = (
 
 
 class PackagesTest(unittest.TestCase):
-    """What makers of packages run."""
-
     def try_commands(self, commands: tuple[str, ...]) -> None:
-        """Run commands on a bare system; each must succeed."""
         done = execute(ROOT / "scripts/fresh_machine", "bookworm", *commands, code=None)
         if done.stdout.endswith("0 passed, 0 failed\n"):
             self.skipTest(done.stderr.strip())

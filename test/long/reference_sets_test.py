@@ -1,18 +1,12 @@
 """The whole reference set comes out again, with all digits; it takes some minutes."""
 
-import subprocess
-import unittest
+import pytest
 
-from conftest import ROOT
+from conftest import MISSING, ROOT, execute
 
 
-class WholeSetTest(unittest.TestCase):
-    """scripts/make_reference --check."""
-
-    def test_whole_set(self) -> None:
-        """Nothing differs from what is computed."""
-        command = [str(ROOT / "scripts/make_reference"), "--check"]
-        run = subprocess.run(command, capture_output=True, text=True, check=False)
-        if "this build has no FLINT" in run.stderr:
-            self.skipTest("this build has no FLINT")
-        self.assertEqual(run.returncode, 0, run.stderr)
+def test_whole_set():
+    run = execute(ROOT / "scripts/make_reference", "--check", code=None)
+    if MISSING in run.stderr:
+        pytest.skip(MISSING)
+    assert run.returncode == 0, run.stderr

@@ -49,7 +49,6 @@ class Outcome:
         self.status = status[-1] if status else ""
 
     def setting(self, name: str) -> str:
-        """A setting of the resolved input."""
         match = re.search(rf"^#\s+{name} = (.*)$", self.head, re.M)
         return match[1].strip("' ") if match else ""
 
@@ -139,7 +138,6 @@ def growth_of(folder: Path, name: str, case: dict[str, str] | None = None) -> fl
 
 
 def is_symmetric(table: Outcome) -> bool:
-    """Whether the body of a table is a symmetric top without damping."""
     inertia = table.setting("inertia").split(", ")
     return len(set(inertia[:2])) < 2 and not table.setting("damping")
 
@@ -232,7 +230,6 @@ def run_batch(spin: Spin, numbers: range) -> tuple[int, list[str]]:
 
 
 def refused(spin: Spin, names: list[str]) -> set[str]:
-    """The inputs that are refused."""
     found: set[str] = set()
     while True:
         rest = [name for name in names if name not in found]

@@ -15,7 +15,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from conftest import ROOT, execute
+from conftest import ROOT, execute, read
 from spintop.library import features, levels_of
 
 LARGEST = 15_000_000
@@ -26,7 +26,6 @@ SCENE = (ROOT / "input/slow_top.nml").read_text(encoding="utf-8")
 
 
 def group(name: str) -> str:
-    """A group of the scene, up to the slash on a line of its own."""
     return re.search(rf"^&{name}$.*?^/$", SCENE, re.MULTILINE | re.DOTALL)[0]
 
 
@@ -86,21 +85,17 @@ print("a million tops in", round(min(seconds), 3), "s of processor time")
 
 
 def levels() -> list[str]:
-    """The levels of this machine."""
     return levels_of(features(Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")))
 
 
 @unittest.skipIf(platform.machine() != "x86_64", "the levels are those of x86-64")
 class WheelTest(unittest.TestCase):
-    """The wheel of this checkout."""
-
     folder: ClassVar[Path]
     wheel: ClassVar[Path]
     site: ClassVar[Path]
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Make the wheel, and install it in a folder."""
         cls.folder = Path(tempfile.mkdtemp(prefix="spintop wheel "))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         command = [ROOT / "scripts/wheel", cls.folder / "wheels"]
@@ -114,7 +109,6 @@ class WheelTest(unittest.TestCase):
         (cls.folder / "answer.py").write_text(ANSWER, encoding="utf-8")
 
     def answer(self, level: str) -> dict:
-        """What the installed package answers at a level."""
         paths = os.pathsep.join(map(str, (self.site, Path(np.__file__).parents[1])))
         environment = {"PATH": os.environ["PATH"], "PYTHONPATH": paths, "SPINTOP_LEVEL": level}
         words = (self.folder / "answer.py", self.folder / "scene.nml")
@@ -122,21 +116,17 @@ class WheelTest(unittest.TestCase):
         return json.loads(done.stdout)
 
     def by_program(self, level: str) -> dict[str, list[str]]:
-        """The table of the program for a level."""
         folder = self.folder / level
-        command = [ROOT / f"build/shared_{level}/spintop", "--quiet", "-o", folder]
-        environment = {**os.environ, "SPINTOP_LEVEL": level}
-        subprocess.run([*command, self.folder / "scene.nml"], check=True, env=environment)
-        lines = (folder / "scene.csv").read_text(encoding="utf-8").splitlines()
-        names, *rows = [line.split(",") for line in lines if line[0] != "#"]
-        return {name: [float(row[i]).hex() for row in rows] for i, name in enumerate(names)}
+        words = (ROOT / f"build/shared_{level}/spintop", "--quiet", "-o", folder)
+        execute(*words, self.folder / "scene.nml", environment={"SPINTOP_LEVEL": level})
+        rows = read(folder / "scene.csv", dtype=float)
+        return {name: [number.hex() for number in rows[name].tolist()] for name in rows}
 
     def test_name_and_size(self) -> None:
         """For any Python, on the glibc that the manual names, and not too large."""
-        tag = re.fullmatch(
-            r"spintop-[\d.]+-py3-none-manylinux_(\d+)_(\d+)_x86_64\.whl", self.wheel.name
-        )
-        self.assertIsNotNone(tag, self.wheel.name)
+        known = r"spintop-[\d.]+-py3-none-manylinux_(\d+)_(\d+)_x86_64\.whl"
+        self.assertRegex(self.wheel.name, f"^{known}$")
+        tag = re.fullmatch(known, self.wheel.name)
         self.assertLessEqual((int(tag[1]), int(tag[2])), OLDEST_GLIBC)
         self.assertLess(self.wheel.stat().st_size, LARGEST)
 
@@ -144,21 +134,21 @@ class WheelTest(unittest.TestCase):
         """Each library that comes along has the licence of its package beside it."""
         with zipfile.ZipFile(self.wheel) as wheel:
             names = wheel.namelist()
-        licences = {
-            name.rpartition("/")[2] for name in names if name.startswith("spintop/licences")
-        }
+        licences, along = (
+            [name.rpartition("/")[2] for name in names if name.startswith(folder)]
+            for folder in ("spintop/licences", "spintop.libs/")
+        )
         self.assertIn("spintop", licences)
-        along = [name.rpartition("/")[2] for name in names if name.startswith("spintop.libs/")]
         self.assertTrue(any(name.startswith("libgfortran") for name in along), along)
         self.assertTrue(any(name.startswith("libsundials_arkode") for name in along), along)
         self.assertFalse([name for name in along if re.match("lib(mpi|netcdf|flint)", name)], along)
         for name in along:
             stem = re.sub(r"-[0-9a-f]{8}(?=\.)", "", name)
             # The copy has the name by which it is loaded, the package that of the file.
-            owners = subprocess.run(
-                ["dpkg-query", "-S", f"*/{stem}*"], capture_output=True, text=True, check=True
-            ).stdout
-            self.assertTrue({line.split(":")[0] for line in owners.splitlines()} & licences, name)
+            owners = execute("dpkg-query", "-S", f"*/{stem}*").stdout
+            self.assertTrue(
+                {line.split(":")[0] for line in owners.splitlines()} & {*licences}, name
+            )
 
     def test_self_contained(self) -> None:
         """Nothing of the checkout is named, and libraries are looked for in the wheel only."""
@@ -166,10 +156,9 @@ class WheelTest(unittest.TestCase):
         self.assertGreater(len(libraries), 8)
         for path in libraries:
             self.assertNotIn(os.fsencode(ROOT), path.read_bytes(), path.name)
-            text = subprocess.run(
-                ["readelf", "-d", path], capture_output=True, text=True, check=True
-            ).stdout
-            for found in re.findall(r"(?:RUNPATH|RPATH).*\[(.*)\]", text):
+            for found in re.findall(
+                r"(?:RUNPATH|RPATH).*\[(.*)\]", execute("readelf", "-d", path).stdout
+            ):
                 self.assertTrue(found.startswith("$ORIGIN"), f"{path}: {found}")
 
     def test_levels(self) -> None:

@@ -3,9 +3,7 @@
 import itertools
 import random
 
-import pytest
-
-from conftest import listed, output
+from conftest import each, listed, output
 
 CASES = 97
 BLOCKS = 5
@@ -23,7 +21,6 @@ STOPS += ("stop_at = 'omega3 = 0.5'",)
 
 
 def named(name, values):
-    """The components of a vector."""
     return {f"{name}({i})": value for i, value in enumerate(values, 1)}
 
 
@@ -39,11 +36,10 @@ def draw_body(rng):
     elif kind == 2:
         centre = [0, 0, 0]
     damping = [rng.choice([0, 0.02]) for _ in range(3)] if rng.random() < 0.4 else [0.0] * 3
-    return (
-        named("top.inertia", inertia)
-        | named("top.centre_of_mass", centre)
-        | named("top.damping", damping)
-    )
+    found = {"inertia": inertia, "centre_of_mass": centre, "damping": damping}
+    return {
+        name: x for key, values in found.items() for name, x in named(f"top.{key}", values).items()
+    }
 
 
 def draw_start(rng):
@@ -68,7 +64,6 @@ def draw_start(rng):
 
 
 def draw_effects(rng):
-    """Up to three effects."""
     drag = [rng.choice([1e-3, 2e-2])] * 3
     if rng.random() < 0.5:
         drag = [rng.choice([0, 1e-3, 2e-3, 2e-2]) for _ in range(3)]
@@ -96,10 +91,7 @@ COLUMNS = [
 
 
 class Sweep:
-    """Sweeps over tables of cases."""
-
     def __init__(self, spin, columns, span, effects):
-        """The same columns, span and further effects of all."""
         self.spin = spin
         self.text = (
             "&study kind = 'sweep' /\n&sweep table = 'cases.csv' /\n&top mass = 1 /\n"
@@ -108,29 +100,19 @@ class Sweep:
         )
 
     def rows(self, cases, threads=1):
-        """The rows of cases, without their numbers."""
         lines = [",".join(f'"{name}"' for name in cases[0])]
         lines += [",".join(repr(float(value)) for value in case.values()) for case in cases]
         table = "\n".join(lines) + "\n"
         run = self.spin(self.text, "--restart", f"--threads={threads}", code=(0, 3), cases=table)
         return rows_of(run.path)
 
-    def shards(self, parts):
-        """The rows of the cases of the last run in as many shards."""
-        for i in range(1, parts + 1):
-            self.spin(self.text, "--restart", f"--shard={i}/{parts}", code=(0, 3))
-        names = [f"output/scene.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
-        merged = self.spin.call("merge", "merged.csv", *names, path="merged.csv", code=(0, 3))
-        return rows_of(merged.path)
-
 
 def rows_of(path):
-    """The rows of a table, without the first cell of each."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [line.split(",", 1)[1] for line in lines if not line.startswith("#")][1:]
 
 
-@pytest.mark.parametrize(("affected", "span"), list(itertools.product((False, True), STOPS)))
+@each("affected, span", *itertools.product((False, True), STOPS))
 def test_any_neighbour(spin, affected, span):
     """All columns that a body in lanes can have, of bodies of all kinds."""
     rng = random.Random(6)
@@ -145,7 +127,9 @@ def test_any_neighbour(spin, affected, span):
     assert sum(",ok," in row for row in known) > CASES / 2
     for threads in (2, 3):
         assert sweep.rows(cases, threads) == known
-    assert sweep.shards(3) == known
+    parts = spin.parts(sweep.text, 3, "--restart", code=(0, 3))
+    merged = spin.call("merge", "merged.csv", *parts, path="merged.csv", code=(0, 3))
+    assert rows_of(merged.path) == known
     for size in [CASES, *(rng.randint(1, 64) for _ in range(BLOCKS))]:
         order = rng.sample(range(CASES), size)
         assert sweep.rows([cases[i] for i in order]) == [known[i] for i in order]

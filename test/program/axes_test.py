@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import CLOSED, output, quoted
+from conftest import CLOSED, each, output, quoted
 
 SWEEP = CLOSED + "&study kind = 'sweep' /\n"
 FREE = SWEEP.replace("    psi_rate = 1.0\n", "").replace("    theta = 0.19634954084936207\n", "")
@@ -18,7 +18,7 @@ DRAWN = (
 HYPERCUBE = FREE + NUTATION + "&sweep combine = 'latin_hypercube', " + DRAWN
 
 
-@pytest.mark.parametrize("combine", ["random", "latin_hypercube"])
+@each("combine", "random", "latin_hypercube")
 def test_drawn_sweeps(spin, combine):
     """Values lie in their ranges; of another seed they are others."""
     text = HYPERCUBE.replace("latin_hypercube", combine)
@@ -37,9 +37,8 @@ def test_drawn_sweeps(spin, combine):
     assert spin(run.head, name="again").texts.equals(run.texts)
 
 
-@pytest.mark.parametrize("cases", [1, 2, 3])
+@each("cases", 1, 2, 3)
 def test_a_latin_hypercube_of_a_few_cases(spin, cases):
-    """One case in each stratum."""
     thetas = spin(HYPERCUBE, f"sweep.cases={cases}").rows["initial.theta_deg"]
     assert sorted(int((x - 10) / 160 * cases) for x in thetas) == list(range(cases))
 
@@ -57,7 +56,6 @@ def test_zip(spin):
 
 
 def test_steady_precession_of_each_case(spin):
-    """It follows the swept parameters."""
     text = FREE.replace("&initial\n", "&initial steady_precession = 'slow', omega3 = 40\n")
     text += output("theta_min", "theta_max", "precession_rate")
     text += "&sweep parameter(1) = 'initial.theta', values(1,:) = 0.3, 1, 1.5, 2.5 /\n"
@@ -70,9 +68,8 @@ def test_steady_precession_of_each_case(spin):
     assert list(steady) == pytest.approx([0] * 4, abs=1e-9)
 
 
-@pytest.mark.parametrize("name", ["nutation", "precession"])
+@each("name", "nutation", "precession")
 def test_spans_in_periods_of_each_case(spin, name):
-    """They follow the swept parameters."""
     text = FREE.replace("&initial\n", "&initial theta = 1, omega3 = 40\n")
     text = text.replace("    t_end = 0.5\n", "") + output("t_end", f"{name}_period")
     text += f"&sweep parameter(1) = 'span.{name}s', values(1,:) = 0.5, 1, 3 /\n"
@@ -91,7 +88,6 @@ def test_method_of_the_header(spin):
 
 
 def test_whole_numbers(spin):
-    """Numbers of steps as an axis: whole, given or drawn."""
     text = SWEEP + "&integration method = 'rk4' /\n" + output("evaluations")
     text += "&sweep parameter(1) = 'integration.steps', from(1) = 10, to(1) = 1000,"
     given = text + " count(1) = 3, spacing(1) = 'log' /\n"
@@ -113,7 +109,7 @@ LAWS = (
 CORRELATED = "covariance(2,2) = 4, covariance(3,2) = -0.1, covariance(3,3) = 0.01 /\n"
 
 
-@pytest.mark.parametrize("combine", ["random", "latin_hypercube", "sobol", "saltelli"])
+@each("combine", "random", "latin_hypercube", "sobol", "saltelli")
 def test_distributions(spin, combine):
     """Each column has the value of its parameter, whatever the threads and the parts."""
     text = LAWS.format(combine) + CORRELATED
@@ -138,12 +134,10 @@ def test_distributions(spin, combine):
     assert theta.iloc[-1] == pytest.approx(float(row.theta_end), abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("name", "values", "reason"),
-    [
-        ("top.inertia(3)", (2, 0.3), "top.inertia(3): no body has these moments of inertia"),
-        ("top.inertia(2)", (0.7, 0.875), "integration.method: the exact solution exists only"),
-    ],
+@each(
+    "name, values, reason",
+    ("top.inertia(3)", (2, 0.3), "top.inertia(3): no body has these moments of inertia"),
+    ("top.inertia(2)", (0.7, 0.875), "integration.method: the exact solution exists only"),
 )
 def test_a_first_case_that_cannot_be_computed_is_a_failed_case(spin, name, values, reason):
     """The order of the cases does not matter, be there no such body, or no closed form."""
@@ -156,44 +150,18 @@ def test_a_first_case_that_cannot_be_computed_is_a_failed_case(spin, name, value
     assert reason.split(": ")[1] in spin.refuse(text.format(values[0], values[0]))
 
 
-NORMAL = (
-    FREE
-    + NUTATION
-    + (
-        "&sweep combine = 'sobol', seed = 0, cases = 64, parameter = 'top.mass', 'initial.theta',"
-        " distribution = 'normal', 'sphere', mean = 1, deviation = 0.7 /\n"
-    )
-)
+NORMAL = f"""{FREE}{NUTATION}
+&sweep combine = 'sobol', seed = 0, cases = 64, parameter = 'top.mass', 'initial.theta',
+    distribution = 'normal', 'sphere', mean = 1, deviation = 0.7 /
+"""
 
 
 def test_draws_out_of_range_are_failed_cases(spin):
-    """A normal mass may be negative: its case fails, and says why."""
     rows = spin(NORMAL, code=3).rows
     failed = rows.status == "bad_input"
     assert 0 < failed.sum() < 10
     assert ((rows["top.mass"] <= 0) == failed).all()
     assert set(rows.notes[failed]) == {"top.mass must be > 0"}
-
-
-@pytest.mark.parametrize(
-    ("setting", "part"),
-    [
-        (
-            "sweep.mean=-10",
-            "none of the first 64 cases can be computed, the first because top.mass must be > 0",
-        ),
-        ("sweep.distribution(2)=uniform", "axis 2 has no values"),
-        ("sweep.distribution(2)=spherical", "expected one of: uniform, normal, lognormal, sphere"),
-        ("sweep.deviation=0", "deviation(1) is out of range"),
-        ("sweep.cases=1e3", "a whole number is written 1000"),
-        ("sweep.cases=9007199254740992", "is too large"),
-        ("sweep.cases=2000000000000000", "must be in [1, 1e15]"),
-        ("sweep.parameter(17)=top.mass", "parameter(16)"),
-    ],
-)
-def test_wrong_draws(spin, setting, part):
-    """Distributions and numbers of cases that do not exist."""
-    assert part in spin.refuse(NORMAL, setting)
 
 
 def test_sixteen_axes(spin):
@@ -214,7 +182,7 @@ def test_sixteen_axes(spin):
 BILLIONS = 3_000_000_000
 
 
-@pytest.mark.parametrize("kind", ["drawn", "grid"])
+@each("kind", "drawn", "grid")
 def test_more_cases_than_32_bits_count(spin, kind):
     """The last of a million parts of three billion cases, drawn and in a grid."""
     text = FREE + NUTATION + "&sweep combine = 'sobol', " + DRAWN.replace("700", str(BILLIONS))
@@ -253,38 +221,23 @@ def test_check_forecasts(spin):
     spin(said, "--check")
 
 
-@pytest.mark.parametrize(
-    ("name", "words"),
-    [
-        (
-            "random_tops",
-            (
-                "4000 cases: a Latin hypercube sample with seed 2012",
-                "initial.theta_deg: any value from 5 to 175; first case ",
-            ),
-        ),
-        (
-            "spinning_wheel_sweep",
-            ("20 cases: all combinations", "20 listed values; first case 0.1, last case 10\n"),
-        ),
-    ],
-)
-def test_check_tells_of_the_axes(spin, name, words):
-    """The number of cases, their combination, the first and the last values."""
-    said = spin(name, "--check").out
-    assert all(word in said for word in words)
+def test_check_tells_of_the_axes(spin):
+    said = spin("random_tops", "--check").out
+    assert "4000 cases: a Latin hypercube sample with seed 2012" in said
+    assert "initial.theta_deg: any value from 5 to 175; first case " in said
+    said = spin("spinning_wheel_sweep", "--check").out
+    assert "20 cases: all combinations" in said
+    assert "20 listed values; first case 0.1, last case 10\n" in said
 
 
 TABLE = FREE + NUTATION + "&sweep table = 'cases.csv' /\n"
 
 
-@pytest.mark.parametrize(
+@each(
     "text",
-    [
-        b"initial.theta,top.inertia(3)\n0.5,0.25\n1,0.3\n",
-        b'# some tops\n\n initial.theta , "top.inertia(3)"\r\n\r\n .5,\t0.25\r\n#\n1, "0.3"',
-        b'\xef\xbb\xbf"initial.theta",top.inertia(3)\n0.5d0 ,25e-2\n 1.0,.3 \n\n',
-    ],
+    b"initial.theta,top.inertia(3)\n0.5,0.25\n1,0.3\n",
+    b'# some tops\n\n initial.theta , "top.inertia(3)"\r\n\r\n .5,\t0.25\r\n#\n1, "0.3"',
+    b'\xef\xbb\xbf"initial.theta",top.inertia(3)\n0.5d0 ,25e-2\n 1.0,.3 \n\n',
 )
 def test_a_table_gives_the_cases(spin, text):
     """Same results as with axes; comments, blanks, quotes and all kinds of line ends."""
@@ -298,7 +251,6 @@ def test_a_table_gives_the_cases(spin, text):
 
 
 def test_the_path_is_relative_to_the_input(spin):
-    """From wherever the program is called; or absolute."""
     for name in ("data", "deep"):
         (spin.folder / name).mkdir()
         spin.write("initial.theta\n0.5\n", f"{name}/cases.csv")
@@ -322,58 +274,52 @@ def test_a_changed_table_is_noticed(spin):
 TWO = "initial.theta,top.mass\n0.5,1\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "parts"),
-    [
-        ("", ["the table is empty"]),
-        ("# nothing\n", ["the table is empty"]),
-        ("initial.theta\n", ["cases.csv:1:1: error: the table has no rows"]),
-        ("initial.thata\n1\n", ["cases.csv:1:1: ", "did you mean 'initial.theta'?"]),
-        ("initial.theta,case\n1,1\n", ["cases.csv:1:15: ", "unknown parameter 'case'"]),
-        ("initial.theta,\n1,1\n", ["cases.csv:1:15: ", "a column has no name"]),
-        ("initial.theta,study.kind\n1,1\n", ["cases.csv:1:15: ", "is not a number"]),
-        ("initial.theta,sweep.seed\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
-        ("initial.theta,sensor.offset(1)\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
-        ("initial.theta,initial.theta\n1,1\n", ["cases.csv:1:15: ", "two columns"]),
-        (
-            "initial.psi,top.inertia_tensor(1,2)\n1,1\n",
-            ["cases.csv:1:13: ", "a comma parts the name"],
-        ),
-        (TWO + "0.6\n", ["cases.csv:3:1: ", "the row ends before top.mass"]),
-        (TWO + "0.6,1,2\n", ["cases.csv:3:7: ", "more cells than the table has columns"]),
-        (TWO + "0.6,\n", ["cases.csv:3:5: ", "no value for top.mass"]),
-        (TWO + "0.6,nan\n", ["cases.csv:3:5: ", "not a number"]),
-        (TWO + "#\n\n0.6,  1x\n", ["cases.csv:5:7: ", "not a number: 1x"]),
-        (TWO + "0.6,-1\n", ["cases.csv:3:5: ", "top.mass must be > 0"]),
-        (TWO + '0.6,"1\n', ["cases.csv:3:5: ", "quotes must be around the whole cell"]),
-        (TWO + '0.6,"1"2\n', ["cases.csv:3:5: ", "quotes must be around the whole cell"]),
-        ("initial.theta\n\0\n", ["NUL"]),
-        ("initial.theta,integration.steps\n1,1.5\n", ["cases.csv:2:3: ", "whole number"]),
-        (TWO + "x,1\n0.5,-1\n", ["cases.csv:3:1: ", "cases.csv:4:5: ", "2 errors"]),
-    ],
+@each(
+    "text, parts",
+    (None, ["scene.nml:", ":16: error: cannot read ", "cases.csv"]),
+    ("", ["the table is empty"]),
+    ("# nothing\n", ["the table is empty"]),
+    ("initial.theta\n", ["cases.csv:1:1: error: the table has no rows"]),
+    ("initial.thata\n1\n", ["cases.csv:1:1: ", "did you mean 'initial.theta'?"]),
+    ("initial.theta,case\n1,1\n", ["cases.csv:1:15: ", "unknown parameter 'case'"]),
+    ("initial.theta,\n1,1\n", ["cases.csv:1:15: ", "a column has no name"]),
+    ("initial.theta,study.kind\n1,1\n", ["cases.csv:1:15: ", "is not a number"]),
+    ("initial.theta,sweep.seed\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
+    ("initial.theta,sensor.offset(1)\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
+    ("initial.theta,initial.theta\n1,1\n", ["cases.csv:1:15: ", "two columns"]),
+    ("phi,top.inertia_tensor(1,2)\n1,1\n", ["cases.csv:1:5: ", "a comma parts the name"]),
+    (TWO + "0.6\n", ["cases.csv:3:1: ", "the row ends before top.mass"]),
+    (TWO + "0.6,1,2\n", ["cases.csv:3:7: ", "more cells than the table has columns"]),
+    (TWO + "0.6,\n", ["cases.csv:3:5: ", "no value for top.mass"]),
+    (TWO + "0.6,nan\n", ["cases.csv:3:5: ", "not a number"]),
+    (TWO + "#\n\n0.6,  1x\n", ["cases.csv:5:7: ", "not a number: 1x"]),
+    (TWO + "0.6,-1\n", ["cases.csv:3:5: ", "top.mass must be > 0"]),
+    (TWO + '0.6,"1\n', ["cases.csv:3:5: ", "quotes must be around the whole cell"]),
+    (TWO + '0.6,"1"2\n', ["cases.csv:3:5: ", "quotes must be around the whole cell"]),
+    ("initial.theta\n\0\n", ["NUL"]),
+    ("initial.theta,integration.steps\n1,1.5\n", ["cases.csv:2:3: ", "whole number"]),
+    (TWO + "x,1\n0.5,-1\n", ["cases.csv:3:1: ", "cases.csv:4:5: ", "2 errors"]),
 )
 def test_bad_tables(spin, text, parts):
-    """Messages with place, error and hint, in the order of the places."""
-    error = spin.refuse(TABLE, cases=text)
+    error = spin.refuse(TABLE, **({"cases": text} if text is not None else {}))
     places = [error.index(part) for part in parts]
     assert places == sorted(places)
 
 
-def test_a_missing_table(spin):
-    """Shown where the input names the table."""
-    error = spin.refuse(TABLE)
-    assert re.search(r"scene\.nml:\d+:16: error: cannot read .*cases\.csv", error)
-
-
-@pytest.mark.parametrize(
-    ("setting", "part"),
-    [
-        ("sweep.parameter(1)=top.mass", "the cases are given twice"),
-        ("sweep.combine=zip", "the rows of the table are the cases"),
-        ("sweep.cases=3", "the rows of the table are the cases"),
-        ("study.kind=trajectory", "a trajectory has no axes"),
-    ],
+@each(
+    "text, setting, part",
+    (NORMAL, "sweep.mean=-10", "first 64 cases can be computed, the first because top.mass"),
+    (NORMAL, "sweep.distribution(2)=uniform", "axis 2 has no values"),
+    (NORMAL, "sweep.distribution(2)=spherical", "one of: uniform, normal, lognormal, sphere"),
+    (NORMAL, "sweep.deviation=0", "deviation(1) is out of range"),
+    (NORMAL, "sweep.cases=1e3", "a whole number is written 1000"),
+    (NORMAL, "sweep.cases=9007199254740992", "is too large"),
+    (NORMAL, "sweep.cases=2000000000000000", "must be in [1, 1e15]"),
+    (NORMAL, "sweep.parameter(17)=top.mass", "parameter(16)"),
+    (TABLE, "sweep.parameter(1)=top.mass", "the cases are given twice"),
+    (TABLE, "sweep.combine=zip", "the rows of the table are the cases"),
+    (TABLE, "sweep.cases=3", "the rows of the table are the cases"),
+    (TABLE, "study.kind=trajectory", "a trajectory has no axes"),
 )
-def test_cases_given_twice(spin, setting, part):
-    """By a table and in another way."""
-    assert part in spin.refuse(TABLE, setting, cases="initial.theta\n0.5\n")
+def test_wrong_settings(spin, text, setting, part):
+    assert part in spin.refuse(text, setting, cases="initial.theta\n0.5\n")

@@ -17,7 +17,6 @@ TIPS = {
 
 
 def study(spin, cases):
-    """A run of some of the catalogue."""
     return spin("benchmarks", f"benchmark.cases={cases}")
 
 
@@ -39,17 +38,14 @@ def test_heavy_top(spin):
 
 
 def test_quantities_without_a_figure(spin):
-    """A quantity without a published figure has its true value, and a goal of its own."""
     rows = study(spin, "steady_cone").rows
     assert rows.published.isna().all()
     assert set(rows.goal) == {1e-10}
     length = 3 * 0.1 / 4
     angle = 10 - math.pi / 2  # of the tip: phi - pi/2
-    expected = {
-        "com_x": length * math.sin(math.pi / 3) * math.cos(angle),
-        "com_y": length * math.sin(math.pi / 3) * math.sin(angle),
-        "com_z": length / 2,
-    }
+    across = length * math.sin(math.pi / 3)
+    expected = {"com_x": across * math.cos(angle), "com_y": across * math.sin(angle)}
+    expected["com_z"] = length / 2
     assert list(rows.truth) == pytest.approx([expected[q] for q in rows.quantity], abs=5e-16)
     assert largest(rows.value - rows.truth) < 1e-10
 
@@ -88,13 +84,9 @@ def test_tumbling_brick(spin):
     """
     run = study(spin, "tumbling_brick")
     errors = run.rows.published_error
-    for first, last, least, most in (
-        (0, 3, 1e-12, 1e-11),
-        (3, 6, 1e-7, 1e-6),
-        (6, 10, 5e-13, 5e-11),
-        (10, None, 1e-7, 1e-6),
-    ):
-        assert errors[first:last].between(least, most, inclusive="neither").all()
+    ends = [(1e-12, 1e-11)] * 3 + [(1e-7, 1e-6)] * 3 + [(5e-13, 5e-11)] * 4
+    ends += [(1e-7, 1e-6)] * (len(errors) - len(ends))
+    assert all(low < error < high for error, (low, high) in zip(errors, ends, strict=True))
     assert "14 published figures; largest error" in run.out
     half = -(7.292115e-5 * 30 + 1.0027827516629e-6) / 2
     q0, q1, q2, q3 = product([math.cos(half), math.sin(half), 0, 0], run.rows.truth[6:10])
@@ -134,7 +126,6 @@ def test_bodies_of_two_codes(spin):
 
 
 def test_refusals(spin):
-    """A benchmark that is not in the catalogue is refused, with the nearest name."""
     error = spin.refuse("benchmarks", "benchmark.cases=heavy_tops")
     assert "there is no benchmark 'heavy_tops'" in error
     assert "did you mean 'heavy_top'?" in error

@@ -2,7 +2,7 @@
 
 import pytest
 
-from conftest import largest, output
+from conftest import each, largest, output
 
 TOP = "&top mass = 1.2, inertia = 0.8, 0.8, 0.3, length = 0.6 /\n"
 STARTS = {
@@ -16,7 +16,7 @@ ROUNDING = 1e-15
 """Of the difference of two energies, each of about five rounded factors."""
 
 
-@pytest.mark.parametrize("start", STARTS)
+@each("start", *STARTS)
 def test_the_exact_solution_is_one_step(spin, start):
     """The largest error is that of the end, in vector lanes and by itself."""
     scene = TOP + STARTS[start]
@@ -28,7 +28,7 @@ def test_the_exact_solution_is_one_step(spin, start):
         assert error == pytest.approx(abs(moved.iloc[-1]), abs=ROUNDING), span
 
 
-@pytest.mark.parametrize("start", STARTS)
+@each("start", *STARTS)
 def test_steps_of_fixed_size(spin, start):
     """The largest over the rows of a trajectory, which are the steps."""
     scene = f"{TOP}{STARTS[start]}&span t_end = 4 /\n"
@@ -39,9 +39,7 @@ def test_steps_of_fixed_size(spin, start):
     assert swept == pytest.approx(largest(moved), abs=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("method", "steps"), [("splitting_2", 1000), ("rk4", 800), ("gauss_4", 240)]
-)
+@each("method, steps", ("splitting_2", 1000), ("rk4", 800), ("gauss_4", 240))
 def test_every_step_counts(spin, method, steps):
     """Errors of a stability study are the largest of all steps, where they are no thousand."""
     scene = f"{TOP}{STARTS['anywhere']}&span t_end = 5 /\n"

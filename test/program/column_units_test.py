@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = """\
 &top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.85 /
@@ -33,7 +33,6 @@ QUANTITIES = {
 
 
 def check(run, sizes):
-    """Each column is that in its own unit, divided by the size of the other one."""
     rows = run.rows
     for name, (own, size, unit) in sizes.items():
         assert any(f" {name} [{unit}]: " in line for line in run.comments)
@@ -43,10 +42,9 @@ def check(run, sizes):
 DERIVATIVES = [f"{name}__initial.psi_rate" for name in ("theta_deg", "theta")]
 
 
-@pytest.mark.parametrize("more", [[], DERIVATIVES])
-@pytest.mark.parametrize("how", [["method=exact"], ["method=rk4", "steps=300"]])
+@each("more", [], DERIVATIVES)
+@each("how", ["method=exact"], ["method=rk4", "steps=300"])
 def test_trajectory(spin, more, how):
-    """By the exact solution, by an integrator, of a table with derivatives."""
     names = [*SIZES, *(own for own, _, _ in SIZES.values()), *more]
     run = spin(TOP + SPAN + output(*names), *(f"integration.{setting}" for setting in how))
     check(run, SIZES)
@@ -59,7 +57,6 @@ def test_trajectory(spin, more, how):
 
 
 def test_events(spin):
-    """The level of an event, and the columns of its table."""
     settings = "output.events=theta_deg = 36 rising", "span.stop_at=t_ms = 2500"
     run = spin(TOP + SPAN + output("t_ms", "t", "theta_deg"), *settings)
     assert run.rows.t_ms.iloc[-1] == 2500
@@ -100,9 +97,7 @@ def test_beside_all(spin):
         assert problem in spin.refuse(TOP + SPAN + output("all", name))
 
 
-@pytest.mark.parametrize(
-    ("column", "settings"), [("theta_bound_deg", []), ("theta_deg", ["output.certified=t"])]
-)
+@each("column, settings", ("theta_bound_deg", []), ("theta_deg", ["output.certified=t"]))
 def test_proved_numbers(spin, column, settings):
     """Bounds and certified numbers are proved in their own units only."""
     error = spin.refuse(TOP + SPAN + output("t", column), *settings)
@@ -123,7 +118,6 @@ def test_axes(spin):
 
 
 def test_table_of_cases(spin):
-    """The names of its columns may end in units."""
     text = "initial.psi_rate_rpm,initial.phi,top.length_cm\n60,0.1,85\n-30,0.2,90\n"
     scene = SWEEP + "&sweep table = 'cases.csv' /\n"
     rows = spin(scene, cases=text).rows
@@ -136,9 +130,8 @@ def test_table_of_cases(spin):
     assert "top.length is in m; units are m, cm, mm" in said
 
 
-@pytest.mark.parametrize("value", ["12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm"])
+@each("value", "12 rpm", "'12 rpm'", " 72 deg/s ", "12rpm", "1.2e1 rpm")
 def test_overrides(spin, value):
-    """A number with its unit in an override, with quotes and without."""
     row = spin(TOP + SPAN, f"initial.psi_rate={value}").rows.iloc[0]
     assert row.psi_rate == pytest.approx(0.4 * math.pi, abs=1e-15)
 
@@ -161,7 +154,6 @@ RATE = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'initial.psi_ra
 
 
 def measured(spin, names, noise=None):
-    """Measurements with these columns, as a table of numbers."""
     rows = spin(TOP + SPAN + output(*names)).rows
     source = np.random.default_rng(1)
     for name in names:
@@ -169,18 +161,15 @@ def measured(spin, names, noise=None):
     return rows
 
 
+DEGREE, DEVIATIONS = math.degrees(1), "'1 mrad', '0.002 rad/s'"
+
+
 def test_same_fit(spin):
     """Estimates and their errors do not depend on the units; residuals are in those."""
     found, offsets, residuals = [], [], []
     for names, size, turns, low, sigma in (
         (["t", "theta", "omega1"], 1, 1, "13", "0.001, 0.002"),
-        (
-            ["t_ms", "theta_deg", "omega1_rpm"],
-            math.degrees(1),
-            30 / math.pi,
-            "'130 rpm'",
-            "'1 mrad', '0.002 rad/s'",
-        ),
+        (["t_ms", "theta_deg", "omega1_rpm"], DEGREE, 30 / math.pi, "'130 rpm'", DEVIATIONS),
     ):
         data = measured(spin, names, {names[1]: 1e-3 * size, names[2]: 2e-3 * turns})
         fit = FIT.format(names[1], low, sigma)
@@ -224,16 +213,13 @@ def test_mounting(spin):
     np.testing.assert_allclose(rows.estimate, [0, 0.875], rtol=1e-7, atol=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("head", "message"),
-    [
-        ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
-        ("t,t_ms,theta", "two columns of the table are the time"),
-        ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
-        ("t_m,theta,psi", "there is no column t"),
-    ],
+@each(
+    "head, message",
+    ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
+    ("t,t_ms,theta", "two columns of the table are the time"),
+    ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
+    ("t_m,theta,psi", "there is no column t"),
 )
 def test_refusals(spin, head, message):
-    """Two columns of one quantity, and a unit of another one."""
     rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))
     assert message in " ".join(spin.refuse(TOP + RATE, data=f"{head}\n{rows}").split())

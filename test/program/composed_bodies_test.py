@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 from mechanics import runge_kutta
 
 TOP = (ROOT / "input/composed_top.nml").read_text()
@@ -29,7 +29,6 @@ def test_results_are_in_the_axes_of_the_parts(spin):
 
 
 def test_the_header_is_the_input(spin):
-    """The resolved input repeats the groups; run again, it gives the same rows."""
     first = spin("composed_top", "span.samples=11")
     expected, text = first.rows, first.head
     assert text.count("&part") == 4
@@ -50,7 +49,6 @@ def test_an_inclined_top_is_exact(spin):
 
 
 def test_parts_are_swept(spin):
-    """A number of a part is an axis, by its place in the list of parts."""
     text = TOP.replace("kind = 'trajectory'", "kind = 'sweep'").replace("samples = 2001", "")
     text += "&sweep parameter(1) = 'part.mass(4)' from(1) = 0.001 to(1) = 0.004 count(1) = 4 /\n"
     rows = spin(text).rows
@@ -60,18 +58,15 @@ def test_parts_are_swept(spin):
     assert rows.theta_end[1] == pytest.approx(alone.theta.iloc[-1], abs=5e-10)
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "said"),
-    [
-        ("'rod'", "'rode'", "did you mean 'rod'?"),
-        ("density = 2700", "", "neither mass nor density of the part is given"),
-        ("thickness = 0.02", "", "part.thickness(4) is not given"),
-        ("gravity = 9.81", "mass = 1", "top.mass is not for a body of parts"),
-        ("axis = 1, 0, 0", "axis = 0, 0, 0", "has no direction"),
-    ],
+@each(
+    "old, new, said",
+    ("'rod'", "'rode'", "did you mean 'rod'?"),
+    ("density = 2700", "", "neither mass nor density of the part is given"),
+    ("thickness = 0.02", "", "part.thickness(4) is not given"),
+    ("gravity = 9.81", "mass = 1", "top.mass is not for a body of parts"),
+    ("axis = 1, 0, 0", "axis = 0, 0, 0", "has no direction"),
 )
 def test_messages(spin, old, new, said):
-    """A wrong part is reported where it is given."""
     error = spin.refuse(TOP.replace(old, new))
     assert said in error
     assert re.search(r"scene\.nml:\d+:\d+: error: ", error)
@@ -87,7 +82,6 @@ GRAVITY = np.array([0, 0, -9.81])
 
 
 def attitude():
-    """The rotation matrix of the start, which is no principal one."""
     (cf, ct, cp), (sf, st, sp) = np.cos([PHI, THETA, PSI]), np.sin([PHI, THETA, PSI])
     about_z = np.array([[cf, -sf, 0], [sf, cf, 0], [0, 0, 1]])
     about_x = np.array([[1, 0, 0], [0, ct, -st], [0, st, ct]])
@@ -96,20 +90,17 @@ def attitude():
 
 
 def inertia(points):
-    """The inertia tensor of the points about the pivot."""
     squares = (MASSES[:, np.newaxis] * points**2).sum()
     return squares * np.eye(3) - (MASSES[:, np.newaxis] * points).T @ points
 
 
 def slope(_, state):
-    """The velocities of the points, and the torque of their weights."""
     points = state[:12].reshape(4, 3)
     omega = np.linalg.solve(inertia(points), state[12:])
     return np.append(np.cross(omega, points), np.cross(MASSES @ points, GRAVITY))
 
 
 def test_points_move_as_the_top_does(spin):
-    """The path of each point is that of the exact solution."""
     turn = attitude()
     points = POINTS @ turn.T
     omega = RATE * np.array([0, 0, 1.0]) + SPIN * turn[:, 2]

@@ -4,6 +4,8 @@ import math
 
 import pytest
 
+from conftest import each
+
 INERTIA, AXIAL, LENGTH, GRAVITY, SPIN = 0.875, 0.25, math.sqrt(0.75), 9.81, 18.0
 TOP = f"&top mass = 1  inertia = 2*{INERTIA}, {AXIAL}  length = {LENGTH!r}  {{}} /\n"
 METHODS = {
@@ -34,8 +36,8 @@ def nutation_period(which, theta=math.pi / 3):
     return 2 * math.pi / math.sqrt(bend)
 
 
-@pytest.mark.parametrize("which", ["slow", "fast"])
-@pytest.mark.parametrize("method", METHODS)
+@each("which", "slow", "fast")
+@each("method", *METHODS)
 def test_small_nutations(spin, method, which):
     """Nothing, or the period of small nutations: never a number of noise."""
     phi_rate, psi_rate = rates(which)
@@ -55,9 +57,8 @@ def test_small_nutations(spin, method, which):
     assert set(rows.status) == {"ok"}
     wanted, found = nutation_period(which), set()
     columns = ["initial.theta", "top.damping(3)", "nutation_period", "precession_per_nutation"]
-    for theta, damping, period, *others, notes in rows[
-        [*columns, "nutation_rate", "notes"]
-    ].itertuples(index=False):
+    columns += ["nutation_rate", "notes"]
+    for theta, damping, period, *others, notes in rows[columns].itertuples(index=False):
         change = theta - math.pi / 3
         if not math.isnan(period) and damping < 1e-19:
             found.add(change)
@@ -73,7 +74,7 @@ def test_small_nutations(spin, method, which):
         assert len([change for change in found if change > 5e-11]) == 6
 
 
-@pytest.mark.parametrize("integration", ["method = 'exact'", *METHODS.values()])
+@each("integration", "method = 'exact'", *METHODS.values())
 def test_stop_at_never_comes(spin, integration):
     """The end of the span is reached, with the note that the event did not occur."""
     text = TOP.format("") + "&study kind = 'sweep' /\n"
@@ -104,10 +105,9 @@ STILL = {
 }
 
 
-@pytest.mark.parametrize("scene", STILL)
-@pytest.mark.parametrize("method", ["auto", "taylor", "dop853", "rk4"])
+@each("scene", *STILL)
+@each("method", "auto", "taylor", "dop853", "rk4")
 def test_no_events(spin, scene, method):
-    """A trajectory lists none, and a sweep has no period."""
     if (scene, method) == ("rubbing", "taylor"):
         return
     text = TOP.format("") + STILL[scene] + "&integration method = '" + method
@@ -151,11 +151,10 @@ def scene_of(formulation, k, nutations):
 
 
 def rate_of(k):
-    """The spin of the k-th top."""
     return 4.94 - 1.13 * k / (TOPS - 1)
 
 
-@pytest.mark.parametrize("formulation", ["space_frame", "rigid_body"])
+@each("formulation", "space_frame", "rigid_body")
 def test_constants(spin, formulation):
     """Energy, momentum about the vertical and norm wander by the root of steps.
 

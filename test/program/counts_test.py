@@ -4,9 +4,7 @@ import shutil
 import sys
 from pathlib import Path
 
-import pytest
-
-from conftest import ROOT, execute
+from conftest import ROOT, each, execute
 
 PLUGINS = ("test/conftest.py", "test/fortran_suites.py", "pytest.ini")
 SUITE = """\
@@ -59,7 +57,6 @@ def test_untidy(request):
 
 
 def run_suite(folder: Path, text: str, **environment: str) -> tuple[int, list[str]]:
-    """Run a suite as scripts/test does; give the exit code and the lines."""
     for name in PLUGINS:
         shutil.copy(ROOT / name, folder)
     (folder / "some_test.py").write_text(text, encoding="utf-8")
@@ -77,30 +74,26 @@ def test_each_test_counts_once(folder: Path) -> None:
     assert "noise" not in lines
 
 
-@pytest.mark.parametrize("text", ["import no_such_module\n", "def test_one(:\n"])
+@each("text", "import no_such_module\n", "def test_one(:\n")
 def test_what_cannot_be_collected_fails(folder: Path, text: str) -> None:
-    """A suite that cannot be read is one that failed, not one without tests."""
     code, lines = run_suite(folder, text)
     assert code != 0
     assert lines[-1] == "0 passed, 1 failed"
 
 
 def test_a_suite_that_ends_python_fails(folder: Path) -> None:
-    """A good exit code of the suite itself is none of the tests."""
     code, lines = run_suite(folder, "def test_good():\n    pass\n\nexit(0)\n")
     assert code != 0
     assert "0 passed, 0 failed" in lines
 
 
 def test_no_test_is_an_error(folder: Path) -> None:
-    """A suite without tests passes none, and ends with an error."""
     code, lines = run_suite(folder, "def no_tset():\n    pass\n")
     assert code != 0
     assert lines[-1] == "0 passed, 0 failed"
 
 
 def test_a_suite_that_is_left_out_says_why(folder: Path) -> None:
-    """A module that skips itself is not a failure."""
     text = "import pytest\npytest.skip('no such thing here', allow_module_level=True)\n"
     code, lines = run_suite(folder, text)
     assert code == 0

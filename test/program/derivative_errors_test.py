@@ -29,14 +29,12 @@ SCENE = (
 
 
 def tops():
-    """Random tops, as the table of a sweep."""
     draw = random.Random(28071)
     rows = [[repr(draw.uniform(*ends)) for ends in AXES.values()] for _ in range(TOPS)]
     return "".join(",".join(row) + "\n" for row in [AXES, *rows])
 
 
 def derivatives(spin, integration):
-    """All derivatives of all tops, with their claims."""
     rows = spin(f"{SCENE}&integration {integration} /\n").rows
     return [pair for name in NAMES for pair in rows[[name, f"{name}_error"]].to_numpy()]
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import largest
+from conftest import each, largest
 
 BODY = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0 /\n"
 TABLE = "t,m1,m2,m3\n0,0,0,0\n4,0,0,0.4\n12,0,0,-0.4\n"
@@ -22,9 +22,8 @@ DRIVEN = (
 SLIP, STUCK = 2.5, 5.5 + math.sqrt(4.5)
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853", "ode45"])
+@each("method", "taylor", "dop853", "ode45")
 def test_departure_and_rest(spin, method):
-    """They are found in their order, among events of columns."""
     wanted = "'t', 'omega3'  events = 'stuck', 'slip', 'knot', 'omega3 = 0.375'"
     text = DRIVEN.format("", f"method = '{method}'  relative_tolerance = 1e-12", wanted)
     events = spin(text, torque=TABLE).table("events")
@@ -39,7 +38,6 @@ def test_departure_and_rest(spin, method):
 
 
 def test_fixed_steps(spin):
-    """The rows of the table are found within steps, rest and departure to a step."""
     wanted = "'t'  events = 'stuck', 'slip', 'knot'"
     text = DRIVEN.format("", "method = 'gauss_8'  steps = 1111", wanted)
     at = spin(text, torque=TABLE).table("events").set_index("event").t
@@ -48,7 +46,7 @@ def test_fixed_steps(spin):
     assert at["stuck"] == pytest.approx(STUCK, abs=2 * 10 / 1111)
 
 
-@pytest.mark.parametrize(("event", "end"), [("stuck", STUCK), ("slip", SLIP), ("knot", 4.0)])
+@each("event, end", ("stuck", STUCK), ("slip", SLIP), ("knot", 4.0))
 def test_end_of_a_motion(spin, event, end):
     """A motion that ends at one has its last row there, with its work."""
     span = f"samples = 5  stop_at = '{event}'"
@@ -63,8 +61,8 @@ def test_end_of_a_motion(spin, event, end):
         assert rows.work_torque.iloc[-1] > 0.1
 
 
-@pytest.mark.parametrize("samples", [2, 101])
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("samples", 2, 101)
+@each("method", "taylor", "dop853")
 def test_work_until_events(spin, method, samples):
     """At events of all sorts the account is closed, whatever rows lie between them."""
     wanted = "'t', 'kinetic', 'potential', 'work', 'energy_error'"
@@ -96,16 +94,13 @@ def test_sweep_that_ends_there(spin):
     assert (rows.notes == "").all()
 
 
-@pytest.mark.parametrize(
-    ("effects", "event", "words"),
-    [
-        ("drag_force = 0.1", "stuck", "only a body with dry friction that is not smoothed"),
-        ("friction_torque = 0.1  friction_smoothing = 0.1", "slip", "sticks and slips"),
-        ("friction_torque = 0.1", "knot", "needs a table of torques"),
-        ("friction_torque = 0.1", "stick", "did you mean 'stuck'"),
-    ],
+@each(
+    "effects, event, words",
+    ("drag_force = 0.1", "stuck", "only a body with dry friction that is not smoothed"),
+    ("friction_torque = 0.1  friction_smoothing = 0.1", "slip", "sticks and slips"),
+    ("friction_torque = 0.1", "knot", "needs a table of torques"),
+    ("friction_torque = 0.1", "stick", "did you mean 'stuck'"),
 )
 def test_bad_input(spin, effects, event, words):
-    """Events that the effects cannot have are refused."""
     text = BODY + f"&initial theta = 1  omega = 0, 0, 5 /\n&effects {effects} /\n"
     assert words in spin(text + f"&span t_end = 1  stop_at = '{event}' /\n", code=2).err

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import largest, output
+from conftest import each, largest, output
 from mechanics import product, rotation
 
 INERTIA, CENTRE = np.array([0.9, 1.0, 0.3]), np.array([0.02, -0.03, 0.5])
@@ -30,7 +30,6 @@ TENSOR = "inertia_tensor(1,:) = {}  inertia_tensor(2,2:3) = {}  inertia_tensor(3
 
 
 def words(values):
-    """Numbers of an input."""
     return ", ".join(repr(float(value)) for value in np.ravel(values))
 
 
@@ -55,17 +54,15 @@ def move(spin, p, effects):
     return spin(text + output(*OTHERS, *SCALARS), torque="\n".join(lines)).rows
 
 
-@pytest.mark.parametrize(
+@each(
     "effects",
-    [
-        "rotor_momentum  rotor_torque  torque_body  torque_space = 0.1, 0.2, 0.1",
-        "torque_table = 'torque.csv'  torque_interpolation = 'linear'"
-        "  torque_space_amplitude = 0.1, 0.2, 0.3  torque_space_rate = 4",
-        "torque_table = 'torque.csv'  earth_rate = 0.3  latitude_deg = 40",
-        "friction_torque = 0.1  friction_coefficient = 0.2  friction_radius = 0.02"
-        "  drag_force = 0.05  drag_moment = 0.01, 0.01, 0.01  drag_exponent = 1.5"
-        "  vibration_amplitude = 0.05, 0.02, 0.1  vibration_rate = 11  rotor_momentum",
-    ],
+    "rotor_momentum  rotor_torque  torque_body  torque_space = 0.1, 0.2, 0.1",
+    "torque_table = 'torque.csv'  torque_interpolation = 'linear'"
+    "  torque_space_amplitude = 0.1, 0.2, 0.3  torque_space_rate = 4",
+    "torque_table = 'torque.csv'  earth_rate = 0.3  latitude_deg = 40",
+    "friction_torque = 0.1  friction_coefficient = 0.2  friction_radius = 0.02"
+    "  drag_force = 0.05  drag_moment = 0.01, 0.01, 0.01  drag_exponent = 1.5"
+    "  vibration_amplitude = 0.05, 0.02, 0.1  vibration_rate = 11  rotor_momentum",
 )
 def test_any_axes(spin, effects):
     """Scalars and vectors in space are equal, vectors in the body turn; the balance closes."""
@@ -101,7 +98,6 @@ def test_rotor_on_the_axis_of_a_tensor(spin):
 
 
 def test_drag_that_differs(spin):
-    """A moment of the air that differs about axes that are not principal axes is refused."""
     text = f"&top mass = 1  {INCLINED}  length = 0.1 /\n"
     text += "&initial theta = 1  omega = 1, 0, 0 /\n&span t_end = 1 /\n"
     error = spin(text + "&effects drag_moment = 0.1, 0, 0 /\n", code=2).err
@@ -109,8 +105,8 @@ def test_drag_that_differs(spin):
     spin(text + "&effects drag_moment = 0.1, 0, 0.1 /\n")
 
 
-@pytest.mark.parametrize("branch", ["slow", "fast"])
-@pytest.mark.parametrize(("name", "rate"), [("omega3", 20), ("psi_rate", 18)])
+@each("branch", "slow", "fast")
+@each("name, rate", ("omega3", 20), ("psi_rate", 18))
 def test_steady_precession(spin, branch, name, rate):
     """With a rotor on the axis and the Earth at a pole inclination and rates are constant."""
     text = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0.5 /\n"
@@ -130,7 +126,6 @@ def test_steady_precession(spin, branch, name, rate):
 
 
 def test_no_steady_precession(spin):
-    """Other effects have none, and the message says which have."""
     text = "&top mass = 1  inertia = 0.9, 0.9, 0.3  length = 0.5 /\n"
     text += "&initial theta = 1  omega3 = 20  steady_precession = 'slow' /\n&span t_end = 1 /\n"
     error = spin(text + "&effects drag_force = 0.1 /\n", code=2).err

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import ROOT, largest, output
+from conftest import ROOT, each, largest, output
 
 REFERENCES = ROOT / "test/reference"
 TABLE = (REFERENCES / "l_torque_3_table.csv").read_text()
@@ -28,41 +28,34 @@ COLUMNS = [
 
 
 class Motion(NamedTuple):
-    """A trajectory: its rows, and the words of its last line."""
-
     rows: pd.DataFrame
     status: str
     time: float
 
     @property
     def last(self):
-        """The last row."""
         return self.rows.iloc[-1]
 
 
 def scene(top, initial, span, effects, integration=TIGHT):
-    """The text of an input."""
     groups = {"top": top, "initial": initial, "span": span, "effects": effects}
     groups["integration"] = integration
     return "".join(f"&{name} {keys} /\n" for name, keys in groups.items())
 
 
 def move(spin, text, **files):
-    """Compute a trajectory; it must come to a good end."""
     run = spin(text + output(*COLUMNS), **files)
     status, _, time = run.status.partition(" at t = ")
     return Motion(run.rows, status, float(time or "nan"))
 
 
 def refused(spin, text, *words, **files):
-    """Expect an input to be refused with a message that has these words."""
     message = " ".join(spin.refuse(text, **files).split())
     for word in words:
         assert word in message
 
 
 def tolerant(method, tolerance):
-    """The keys of a method with a relative tolerance."""
     return f"method = '{method}'  relative_tolerance = {tolerance}"
 
 
@@ -76,8 +69,8 @@ METHODS = {
 }
 
 
-@pytest.mark.parametrize("name", sorted(path.stem for path in REFERENCES.glob("l_*.json")))
-@pytest.mark.parametrize("method", METHODS)
+@each("name", *sorted(path.stem for path in REFERENCES.glob("l_*.json")))
+@each("method", *METHODS)
 def test_references(spin, name, method):
     """Every reference motion, its energy and its works, by methods of all families."""
     reference = json.loads((REFERENCES / f"{name}.json").read_text())
@@ -117,7 +110,7 @@ def test_references(spin, name, method):
         assert motion.time == pytest.approx(float(reference["t_stuck"]), rel=max(tolerance, 1e-12))
 
 
-@pytest.mark.parametrize("name", ["l_combined_1", "l_torque_3"])
+@each("name", "l_combined_1", "l_torque_3")
 def test_quadruple(spin, name):
     """The series in quadruple precision is the same motion, to the rounding of the table."""
     reference = json.loads((REFERENCES / f"{name}.json").read_text())
@@ -130,7 +123,6 @@ def test_quadruple(spin, name):
 
 
 def test_spin_down(spin):
-    """Dry friction with load, damping and drag about a fixed axis, to rest."""
     effects = "friction_torque = 0.02  friction_coefficient = 0.3  friction_radius = 0.01"
     effects += "  drag_moment = 0, 0, 0.003"
     start, span = "theta = 1  omega = 0, 0, 12", "t_end = 30  samples = 31"
@@ -172,7 +164,7 @@ def swing(spin, span, effects, method):
     return motion, turns
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_swings_with_friction(spin, method):
     """A pendulum stops at each turning point and starts again, until friction holds it."""
     motion, turns = swing(spin, "t_end = 12  samples = 12001", "friction_torque = 0.5", method)
@@ -186,7 +178,7 @@ def test_swings_with_friction(spin, method):
     assert abs(motion.last.energy_error) < 1e-10
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_swings_in_air(spin, method):
     """A plane pendulum with drag: the force changes its branch at each turning point."""
     _, turns = swing(spin, "t_end = 5  samples = 10001", "drag_force = 0.5", method)
@@ -194,12 +186,8 @@ def test_swings_in_air(spin, method):
     assert angles == pytest.approx([1.607630028664216, 1.365912156777692], abs=4e-7)
 
 
-@pytest.mark.parametrize(
-    ("exponent", "end"),
-    [(1.5, 4.140437573436630), (1.8, 1.952020936566768), (2, 1.445783132530120)],
-)
+@each("exponent, end", (1.5, 4.140437573436630), (1.8, 1.952020936566768), (2, 1.445783132530120))
 def test_drag_about_an_axis(spin, exponent, end):
-    """Spin-down in air with any exponent."""
     effects = f"drag_moment = 0, 0, 0.02  drag_exponent = {exponent}"
     start, span = "theta = 1  omega = 0, 0, 40", "t_end = 10  samples = 11"
     motion = move(spin, scene(FREE, start, span, effects))
@@ -214,15 +202,13 @@ SHIFTS = [
 ]
 
 
-@pytest.mark.parametrize(("effects", "angles"), SHIFTS)
-@pytest.mark.parametrize(
+@each("effects, angles", *SHIFTS)
+@each(
     "integration",
-    [
-        "method = 'exact'",
-        "method = 'dop853'  relative_tolerance = 1e-13",
-        "formulation = 'lagrange'  method = 'dop853'  relative_tolerance = 1e-13",
-        "method = 'splitting_8'  steps = 20000",
-    ],
+    "method = 'exact'",
+    "method = 'dop853'  relative_tolerance = 1e-13",
+    "formulation = 'lagrange'  method = 'dop853'  relative_tolerance = 1e-13",
+    "method = 'splitting_8'  steps = 20000",
 )
 def test_exact_with_effects(spin, effects, angles, integration):
     """A held rotor on the axis and the Earth at a pole keep closed form and formulations."""
@@ -287,20 +273,17 @@ def test_gyrocompass(spin):
     assert 2 * (at[1] - at[0]) == pytest.approx(618.9378838177327, rel=2e-3)
 
 
-@pytest.mark.parametrize(
-    ("effects", "omega"),
-    [
-        # A rotor that is spun up on the axis of a free symmetric body.
-        (
-            "rotor_momentum = 0, 0, 2  rotor_torque = 0, 0, 0.1",
-            [0.4996132792811143, 0.01966141312244184, -1 / 3],
-        ),
-        # A constant torque in the axes of a symmetric body.
-        ("torque_body = 0.2, 0.1, 0.06", [0.1615452243395345, -0.5108514627490013, 5]),
-    ],
+@each(
+    "effects, omega",
+    # A rotor that is spun up on the axis of a free symmetric body.
+    (
+        "rotor_momentum = 0, 0, 2  rotor_torque = 0, 0, 0.1",
+        [0.4996132792811143, 0.01966141312244184, -1 / 3],
+    ),
+    # A constant torque in the axes of a symmetric body.
+    ("torque_body = 0.2, 0.1, 0.06", [0.1615452243395345, -0.5108514627490013, 5]),
 )
 def test_driven_bodies(spin, effects, omega):
-    """Closed forms of the angular velocity after 10 s."""
     start, span = "theta = 1  omega = 0.5, 0, 3", "t_end = 10  samples = 11"
     motion = move(spin, scene(FREE, start, span, effects))
     assert list(motion.last[OMEGA]) == pytest.approx(omega, abs=1e-12)
@@ -309,7 +292,7 @@ def test_driven_bodies(spin, effects, omega):
         assert abs(motion.last.energy_error) < 1e-13
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853", "arkode_erk"])
+@each("method", "taylor", "dop853", "arkode_erk")
 def test_torque_table(spin, method):
     """A spline through rows of a cubic is the cubic; its integral is the spin."""
     rows = [
@@ -348,7 +331,7 @@ def test_energy_that_effects_brought(spin):
     assert (errors < 1e-14).all()
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
+@each("method", "taylor", "dop853")
 def test_start_from_rest(spin, method):
     """From rest the body starts along the u of lambda u_i = (T_i - M u_i)/I_i."""
     start, span = "quaternion = 0.8, 0.6, 0, 0  omega = 0, 0, 0", "t_end = 1e-4  samples = 2"
@@ -380,7 +363,7 @@ def test_smooth_friction_creeps(spin):
     assert motion.last.omega3 == pytest.approx(0.01 * 0.3 / 0.4, rel=1e-9)
 
 
-@pytest.mark.parametrize(("rate", "rises"), [(39.6, True), (39.8, False)])
+@each("rate, rises", (39.6, True), (39.8, False))
 def test_upright_by_vibration(spin, rate, rises):
     """A vertical vibration of the pivot holds a body upright from a rate of 39.678 rad/s on."""
     effects = f"vibration_amplitude = 0, 0, 0.15  vibration_rate = {rate}"
@@ -407,7 +390,6 @@ def test_sweep(spin):
 
 
 def test_resolved_input(spin):
-    """The group is in the resolved input only where the input has it."""
     base = f"&top {TOP} /\n&initial theta = 1  psi_rate = 10 /\n&span t_end = 1  samples = 2 /\n"
     assert "effects" not in spin(base).path.read_text()
     text = spin(base + "&effects earth_rate = 0 latitude_deg = 50 /\n").path.read_text()
@@ -418,70 +400,44 @@ def test_resolved_input(spin):
 START, SPAN = "theta = 1  psi_rate = 10", "t_end = 1"
 
 
-@pytest.mark.parametrize(
-    ("effects", "words"),
-    [
-        ("friction_coefficient = 0.3", ("effects", "friction_radius")),
-        ("friction_radius = 0.01", ("friction_coefficient",)),
-        ("friction_smoothing = 0.1", ("no dry friction",)),
-        ("vibration_amplitude = 0, 0, 0.1", ("vibration_rate",)),
-        ("vibration_rate = 10", ("vibration_amplitude",)),
-        ("earth_rate = 7e-5", ("latitude",)),
-        ("latitude_deg = 50", ("earth_rate",)),
-        ("latitude = 2  earth_rate = 1", ("[-pi/2, pi/2]",)),
-        ("drag_exponent = 1.5", ("drag_moment",)),
-        ("drag_exponent = 4  drag_moment = 0, 0, 1", ("[1, 3]",)),
-        ("torque_axes = 'space'", ("torque_table",)),
-        ("torque_interpolation = 'spline'", ("torque_table",)),
-        ("torque_table = 'none.csv'", ("none.csv",)),
-        ("friction_coefficient = 2  friction_radius = 1", ("jam",)),
-        ("friction_torque = -1", (">= 0",)),
-    ],
+@each(
+    "effects, words",
+    ("friction_coefficient = 0.3", ("effects", "friction_radius")),
+    ("friction_radius = 0.01", ("friction_coefficient",)),
+    ("friction_smoothing = 0.1", ("no dry friction",)),
+    ("vibration_amplitude = 0, 0, 0.1", ("vibration_rate",)),
+    ("vibration_rate = 10", ("vibration_amplitude",)),
+    ("earth_rate = 7e-5", ("latitude",)),
+    ("latitude_deg = 50", ("earth_rate",)),
+    ("latitude = 2  earth_rate = 1", ("[-pi/2, pi/2]",)),
+    ("drag_exponent = 1.5", ("drag_moment",)),
+    ("drag_exponent = 4  drag_moment = 0, 0, 1", ("[1, 3]",)),
+    ("torque_axes = 'space'", ("torque_table",)),
+    ("torque_interpolation = 'spline'", ("torque_table",)),
+    ("torque_table = 'none.csv'", ("none.csv",)),
+    ("friction_coefficient = 2  friction_radius = 1", ("jam",)),
+    ("friction_torque = -1", (">= 0",)),
 )
 def test_bad_effects(spin, effects, words):
-    """Each mistake in the group is refused with its key and what to do."""
     refused(spin, scene(TOP, START, SPAN, effects), "scene.nml:4", *words)
 
 
-@pytest.mark.parametrize(
-    ("rows", "words"),
-    [
-        ("0,0,0,0\n", "2"),
-        ("0,0,0,0\n0,0,0,1\n", "do not increase"),
-        ("0.1,0,0,0\n2,0,0,1\n", "begins at"),
-        ("0,0,0,0\n0.5,0,0,1\n", "ends at"),
-        ("0,0,0,nan\n1,0,0,1\n", "not finite"),
-        ("0,0,0,x\n1,0,0,1\n", "is not a number"),
-    ],
-)
-def test_bad_tables(spin, rows, words):
-    """Each mistake in a table of torques is refused."""
-    text = scene(TOP, START, SPAN, "torque_table = 'torque.csv'")
-    refused(spin, text, "torque.csv", words, torque="t,m1,m2,m3\n" + rows)
-
-
-@pytest.mark.parametrize(
-    ("integration", "word"),
-    [
-        ("method = 'exact'", "the exact solution exists only"),
-        ("method = 'splitting_4'  steps = 100", "splitting_4"),
-        ("project = 'invariants'", "conserves neither"),
-        ("formulation = 'lagrange'  method = 'dop853'", "rigid_body"),
-    ],
+@each(
+    "integration, word",
+    ("method = 'exact'", "the exact solution exists only"),
+    ("method = 'splitting_4'  steps = 100", "splitting_4"),
+    ("project = 'invariants'", "conserves neither"),
+    ("formulation = 'lagrange'  method = 'dop853'", "rigid_body"),
 )
 def test_refused_computations(spin, integration, word):
-    """What does not hold for bodies with effects is refused."""
     refused(spin, scene(TOP, START, SPAN, "drag_force = 0.1", integration), word)
 
 
-@pytest.mark.parametrize(
-    ("effects", "integration", "words"),
-    [
-        ("drag_force = 0.1", "relative_tolerance = 1e-9", ("taylor", "effects", "excluded")),
-        ("rotor_momentum = 0, 0, 1", "", ("exact", "rotor")),
-    ],
+@each(
+    "effects, integration, words",
+    ("drag_force = 0.1", "relative_tolerance = 1e-9", ("taylor", "effects", "excluded")),
+    ("rotor_momentum = 0, 0, 1", "", ("exact", "rotor")),
 )
 def test_choice_is_explained(spin, effects, integration, words):
-    """--check tells which model was taken, and what effects exclude."""
     said = " ".join(spin(scene(TOP, START, SPAN, effects, integration), "--check").out.split())
     assert all(word in said for word in words)

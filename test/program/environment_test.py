@@ -1,12 +1,11 @@
 """The environment of the run-time library of gfortran changes nothing that the program writes."""
 
 import re
-import subprocess
 from pathlib import Path
 
 import pytest
 
-from conftest import GOOD
+from conftest import GOOD, each, execute
 
 SWEEP = GOOD.split("&output")[0] + (
     "&study kind = 'sweep' /\n"
@@ -17,9 +16,8 @@ MEASURED = re.compile(
 )
 """Lines of a summary and of a header that differ from run to run."""
 DOCUMENTED = (
-    "UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS"
-    " OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT ERROR_BACKTRACE FORMATTED_BUFFER_SIZE"
-    " UNFORMATTED_BUFFER_SIZE"
+    "UNBUFFERED_ALL UNBUFFERED_PRECONNECTED SHOW_LOCUS OPTIONAL_PLUS LIST_SEPARATOR CONVERT_UNIT"
+    " ERROR_BACKTRACE FORMATTED_BUFFER_SIZE UNFORMATTED_BUFFER_SIZE"
 )
 """The variables of gfortran's manual, without their prefix, but for numbers of standard streams.
 
@@ -37,8 +35,7 @@ CALLS = {
 def variables():
     """The documented variables, and what else looks like one in the library of this compiler."""
     names = {f"GFORTRAN_{name}" for name in DOCUMENTED.split()}
-    asked = ["gfortran", "-print-file-name=libgfortran.so"]
-    library = Path(subprocess.run(asked, check=True, capture_output=True, text=True).stdout.strip())
+    library = Path(execute("gfortran", "-print-file-name=libgfortran.so").stdout.strip())
     if library.is_file():  # there may be a static one alone
         found = re.findall(rb"\0(GFORTRAN_[A-Z_]+)(?=\0)", library.read_bytes())
         names |= {name.decode() for name in found if not name.endswith(b"_UNIT")}
@@ -62,9 +59,8 @@ def outputs(spin, environment):
     return found
 
 
-@pytest.mark.parametrize("setting", SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
+@each("setting", *SETTINGS, ids=lambda one: " ".join(map("=".join, one.items())))
 def test_variables_of_the_library(spin, setting):
-    """The same bytes with each of them, and with all."""
     spin.write(GOOD, "motion.nml")
     spin.write(SWEEP, "sweep.nml")
     expected = outputs(spin, {})
@@ -87,12 +83,11 @@ BODY = """\
 &initial theta_deg = 20  omega = 0.1, 0.2, 8 /
 &span t_end = 3 /
 """
+ONE = "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
 INPUTS = {
-    "one": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n",
-    "affected": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
-    + EFFECTS,
-    "stages": "&study kind = 'trajectory' /\n&output columns = 't', 'q0', 'q1', 'q2', 'q3' /\n"
-    "&integration method = 'dop853'  relative_tolerance = 1e-12 /\n" + EFFECTS,
+    "one": ONE,
+    "affected": ONE + EFFECTS,
+    "stages": ONE + EFFECTS + "&integration method = 'dop853'  relative_tolerance = 1e-12 /\n",
     "many": "&study kind = 'sweep' /\n&sweep parameter = 'initial.theta_deg' from = 5 to = 60"
     " count = 20 /\n&output columns = 'theta_end', 'psi_end', 'theta_rate_end' /\n",
 }
@@ -108,7 +103,7 @@ def at_level(spin, name, level):
     return line.removeprefix("processor: ").removeprefix("x86-64-"), rows, numbers
 
 
-@pytest.mark.parametrize("name", INPUTS)
+@each("name", *INPUTS)
 def test_levels(spin, name):
     """Each level of the machine is named in the table, has the same bytes again, and differs from
     others by rounding and tolerance."""
@@ -123,9 +118,8 @@ def test_levels(spin, name):
         assert numbers == pytest.approx(first, rel=1e-8, abs=1e-8)
 
 
-@pytest.mark.parametrize("level", ["v9", "V3", "native", " ", "v2 ."])
+@each("level", "v9", "V3", "native", " ", "v2 .")
 def test_other_words(spin, level):
-    """A level that the processor does not have is refused."""
     run = spin(INPUTS["one"] + BODY, environment={"SPINTOP_LEVEL": level}, code=2)
     told = f"SPINTOP_LEVEL is '{level}', but the levels of this processor are: "
     assert told in run.stderr

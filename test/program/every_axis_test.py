@@ -3,9 +3,7 @@
 import itertools
 import re
 
-import pytest
-
-from conftest import listed
+from conftest import each, listed
 
 BODY = "&top mass = 1 inertia = 0.9, 0.8, 0.3 centre_of_mass = 0.1, 0.05, 0.7 /\n"
 SYMMETRIC = "&top mass = 1 inertia = 0.9, 0.9, 0.3 length = 0.7 /\n"
@@ -42,9 +40,13 @@ def numbers():
     return names
 
 
-@pytest.mark.parametrize(
+@each(
     "scene",
-    [BODY + ANGLES, BODY + VECTORS, SYMMETRIC + ANGLES, PARTS + ANGLES, BODY + ANGLES + EFFECTS],
+    BODY + ANGLES,
+    BODY + VECTORS,
+    SYMMETRIC + ANGLES,
+    PARTS + ANGLES,
+    BODY + ANGLES + EFFECTS,
 )
 def test_no_axis_is_ignored(spin, scene):
     """With two values of a number the motions end differently, or the sweep is refused."""

@@ -60,8 +60,6 @@ def nutations(spin):
 
 @pytest.fixture
 def example(spin):
-    """Compiles an example, and runs it: what it prints."""
-
     def run(name):
         command = (
             f". '{ROOT}/scripts/setup' && gfortran -std=f2008 -Wall -fopenmp"
@@ -89,12 +87,10 @@ def rows_of(example):
 
 
 def assert_close(found, expected, slack):
-    """Two numbers agree to `slack`, relative to 1 or to their magnitude."""
     assert abs(found - expected) <= slack * max(1, abs(expected)), (found, expected)
 
 
 def test_every_example_has_a_test():
-    """Each example has a test, and the manual names it."""
     names = {path.stem for path in (ROOT / "example").glob("*.f90")}
     of = "test_of_"
     tested = {name.removeprefix(of) for name in globals() if name.startswith(of)}
@@ -105,7 +101,6 @@ def test_every_example_has_a_test():
 
 
 def test_every_procedure_has_an_example():
-    """Procedures that `use spintop` gives."""
     source = (ROOT / "src/spintop.f90").read_text(encoding="utf-8").replace("&\n", "")
     lists = re.findall(r"^ *use \w+, only: *(.*)$", source, re.MULTILINE)
     names = {name.strip() for text in lists for name in text.split(",")}
@@ -120,14 +115,12 @@ def test_every_procedure_has_an_example():
 
 
 def test_of_exact_motion(rows_of, rows_at):
-    """The attitude at three instants."""
     for t, *angles in rows_of("exact_motion", 3):
         row = rows_at(TOP, "theta = 0.2  psi_rate = 1", t, "phi", "theta", "psi").iloc[1]
         assert list(np.cos(row[1:] - angles)) == pytest.approx([1] * 3, abs=1e-14)
 
 
 def test_of_any_body(rows_of, rows_at):
-    """The inclination of a damped body without symmetry."""
     for t, theta in rows_of("any_body", 5)[:4]:
         rows = rows_at(SKEW.format(0.7, 0.01), "theta = 0.2  psi_rate = 5", t, "theta")
         assert_close(theta, rows.theta[1], 1e-8)
@@ -145,7 +138,6 @@ def test_of_many_bodies(rows_of, rows_at):
 
 
 def test_of_events(spin, example):
-    """The first six turning points of a damped body, and no other."""
     text = f"&top {SKEW.format(0.7, 0.01)} /\n&span t_end = 4 /\n&initial theta = 0.5"
     text += "  theta_rate = 0.5  psi_rate = 20 /\n&output events = 'turning_points'"
     run = spin(text + "  columns = 't', 'theta', 'phi' /\n", "integration.method=dop853")
@@ -171,7 +163,6 @@ def test_of_accuracy(rows_of):
 
 
 def test_of_nutation(example, rows_of, nutations):
-    """Range and period of the nutation of a top released at rest."""
     rows = rows_of("nutation", 4)
     expected = nutations(0.5, [row[0] for row in rows])
     for (_, theta, *found), row in zip(rows, expected, strict=True):
@@ -182,7 +173,6 @@ def test_of_nutation(example, rows_of, nutations):
 
 
 def test_of_many_tops(rows_of, nutations):
-    """The same for many tops together."""
     (count,), *rows = rows_of("many_tops", 9)
     assert count == 400
     for row, expected in zip(rows, nutations(0.5, [row[0] for row in rows]), strict=True):
@@ -252,7 +242,6 @@ def test_of_energy_and_force(rows_of, rows_at, nutations):
 
 
 def test_of_stability(rows_of):
-    """The threshold of the sleeping top, and the growth rate below it."""
     (threshold,), below, at, above = rows_of("stability", 4)
     assert_close(threshold, 2 * math.sqrt(MGL * INERTIA[0]) / INERTIA[2], 1e-9)
     half_rate = INERTIA[2] * 0.8 * threshold / (2 * INERTIA[0])
@@ -292,7 +281,6 @@ def test_of_sensitivity(rows_of, rows_at):
 
 
 def test_of_methods(spin, example):
-    """The combinations are those that the program lists."""
     expected = {entry["name"]: entry["formulations"] for entry in spin.listed("methods")}
     del expected["exact"]  # it has no steps
     lines = example("methods").splitlines()
@@ -301,7 +289,6 @@ def test_of_methods(spin, example):
 
 
 def test_of_sweep(rows_of, nutations):
-    """The largest inclination for each spin ratio."""
     unit = math.sqrt(4 * MGL / INERTIA[2])
     rows = rows_of("sweep", 4)
     assert [ratio for ratio, _ in rows] == [0.5, 1, 2, 4]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from conftest import KIND, ROOT, netcdf_is_missing
+from conftest import KIND, ROOT, each, netcdf_is_missing
 
 pytestmark = pytest.mark.slow
 
@@ -63,7 +63,6 @@ class Fault:
 
     @property
     def environment(self) -> dict[str, str]:
-        """As the library takes it."""
         given = {"FAULT_CALL": self.call, "FAULT_AT": str(self.number)}
         given["FAULT_KIND"] = str(self.kind)
         return given | ({"FAULT_LASTS": "1"} if self.lasts else {})
@@ -149,14 +148,12 @@ class Faulty:
 
 @pytest.fixture
 def faulty(spin, preload) -> Faulty:
-    """The program, and the faults it meets."""
     if KIND == "sanitized":
         pytest.skip("the sanitizers have an allocator of their own")
     return Faulty(spin, preload(FAULTS))
 
 
 def kinds_of(call: str) -> tuple[tuple[int, bool], ...]:
-    """The faults of a call: the error, and whether it lasts."""
     if call == "memory":
         return ((errno.ENOMEM, False),)
     faults = ((errno.EIO, False), (errno.ENOSPC, True))
@@ -169,7 +166,7 @@ def sample(count: int, most: int, start: int) -> Iterator[int]:
     yield from range(1 + start % step, count + 1, step)
 
 
-@pytest.mark.parametrize(("index", "name"), list(enumerate(INPUTS)), ids=list(INPUTS))
+@each("index, name", *enumerate(INPUTS), ids=list(INPUTS))
 def test_a_sample_of_the_faults(faulty, index, name):
     """Of each kind of output; the input's number gives the place where the sample begins."""
     expected, counts = faulty.prepare(name)

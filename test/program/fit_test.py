@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import largest, output
+from conftest import each, largest, output
 from spintop_figures.registry import choose_figures
 from spintop_figures.tables.table import read_table
 
@@ -26,12 +26,10 @@ OTHERS = TOP.replace("0.875, 0.875, 0.25", "0.9, 0.9, 0.24").replace("= 14", "= 
 
 
 def measure(spin, scene=TOP, columns=ANGLES):
-    """The motion that is measured."""
     return spin(scene + SPAN + output("t", *columns)).rows
 
 
 def noisy(motion, seed, noise=NOISE):
-    """The text of measurements with errors."""
     source = np.random.default_rng(seed)
     data = motion.copy()
     data.iloc[:, 1:] += noise * source.normal(size=data.iloc[:, 1:].shape)
@@ -51,8 +49,8 @@ def test_exact_measurements_give_the_parameters(spin):
     assert run.status == "ok"
 
 
-@pytest.mark.parametrize("method", ["dop853", "taylor", "ode45' formulation = 'space_frame"])
-@pytest.mark.parametrize("start", [TOP, OTHERS])
+@each("method", "dop853", "taylor", "ode45' formulation = 'space_frame")
+@each("start", TOP, OTHERS)
 def test_exact_measurements_of_an_integrated_motion(spin, method, start):
     """The same with methods whose tolerance bounds the residuals, from true values and others.
 
@@ -155,7 +153,6 @@ def test_what_is_not_identifiable(spin):
 
 
 def test_a_parameter_that_does_not_enter(spin):
-    """The angles at the start say nothing of the body."""
     fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.inertia(3)' /\n"
     run = spin(TOP + fit, code=3, data=noisy(measure(spin)[:1], 3))
     assert "not_identifiable" in run.status
@@ -164,27 +161,24 @@ def test_a_parameter_that_does_not_enter(spin):
 UNKNOWN = ", unknown = 'top.inertia(1)', 'top.inertia(3)', 'initial.psi_rate'"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("data = 'data.csv',", "", "there are no measurements"),
-        ("data.csv", "none.csv", "none.csv"),
-        (UNKNOWN, "", "nothing is"),
-        ("'initial.psi_rate'", "'top.shape'", "is not a number"),
-        ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
-        ("'initial.psi_rate'", "'top.density'", "has no value"),
-        ("'data.csv',", "'data.csv', columns = 'tip_error',", "errors, bounds"),
-        ("'data.csv',", "'data.csv', averaged = 1e-3,", "first average begins before"),
-        ("'data.csv',", "'data.csv', averaged = 9,", "intervals of averages overlap"),
-        ("'data.csv',", "'data.csv', columns = 'omega1',", "omega1"),
-        ("'data.csv',", "'data.csv', sigma = 1, 2,", "standard deviations"),
-        ("&fit ", "&span nutations = 2 /\n&fit ", "span of a fit"),
-        ("&fit ", "&span t_end = 2 /\n&fit ", "the last measurement"),
-        ("&fit ", "&integration method = 'rk4', steps = 9 /\n&fit ", "fixed step"),
-    ],
+@each(
+    "old, new, message",
+    ("data = 'data.csv',", "", "there are no measurements"),
+    ("data.csv", "none.csv", "none.csv"),
+    (UNKNOWN, "", "nothing is"),
+    ("'initial.psi_rate'", "'top.shape'", "is not a number"),
+    ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
+    ("'initial.psi_rate'", "'top.density'", "has no value"),
+    ("'data.csv',", "'data.csv', columns = 'tip_error',", "errors, bounds"),
+    ("'data.csv',", "'data.csv', averaged = 1e-3,", "first average begins before"),
+    ("'data.csv',", "'data.csv', averaged = 9,", "intervals of averages overlap"),
+    ("'data.csv',", "'data.csv', columns = 'omega1',", "omega1"),
+    ("'data.csv',", "'data.csv', sigma = 1, 2,", "standard deviations"),
+    ("&fit ", "&span nutations = 2 /\n&fit ", "span of a fit"),
+    ("&fit ", "&span t_end = 2 /\n&fit ", "the last measurement"),
+    ("&fit ", "&integration method = 'rk4', steps = 9 /\n&fit ", "fixed step"),
 )
 def test_refusals(spin, old, new, message):
-    """Each with its place and what is wrong."""
     text = (TOP + FIT).replace(old, new)
     assert text != TOP + FIT
     error = spin.refuse(text, data=noisy(measure(spin), 0))
@@ -192,26 +186,23 @@ def test_refusals(spin, old, new, message):
     assert message in error
 
 
-@pytest.mark.parametrize(
-    ("data", "message"),
-    [
-        ("t,theta\n0,1\n2,1\n1,1\n3,1\n4,1\n", "do not increase"),
-        ("t,theta\n-1,1\n2,1\n3,1\n4,1\n", "before the start"),
-        ("t,theta\n0,1\n2,one\n3,1\n4,1\n", "theta"),
-        ("t,theta\n0,1\n2,inf\n3,1\n4,1\n", "theta has an infinite reading"),
-        ("t,theta\n0,\n2,nan\n3,\n4,\n", "theta has no reading"),
-        ("t,theta\n0,1\n2,nan\n3,1\n4,1\n", "3 measurements do not determine"),
-        ("t,theta,theta_sigma\n0,1,\n2,1,\n3,1,nan\n4,1,\n", "no reading with a standard"),
-        ("t,theta,theta_sigma\n0,1,1\n2,1,0\n3,1,1\n4,1,1\n", "not above 0"),
-        ("t,thetta\n0,1\n2,1\n", "thetta"),
-        ("t\n0\n2\n", "no column"),
-        ("theta\n0\n2\n", "t"),
-        ("t,theta\n", "t"),
-        ("t,theta\n0,1\n2,1\n", "do not determine"),
-    ],
+@each(
+    "data, message",
+    ("t,theta\n0,1\n2,1\n1,1\n3,1\n4,1\n", "do not increase"),
+    ("t,theta\n-1,1\n2,1\n3,1\n4,1\n", "before the start"),
+    ("t,theta\n0,1\n2,one\n3,1\n4,1\n", "theta"),
+    ("t,theta\n0,1\n2,inf\n3,1\n4,1\n", "theta has an infinite reading"),
+    ("t,theta\n0,\n2,nan\n3,\n4,\n", "theta has no reading"),
+    ("t,theta\n0,1\n2,nan\n3,1\n4,1\n", "3 measurements do not determine"),
+    ("t,theta,theta_sigma\n0,1,\n2,1,\n3,1,nan\n4,1,\n", "no reading with a standard"),
+    ("t,theta,theta_sigma\n0,1,1\n2,1,0\n3,1,1\n4,1,1\n", "not above 0"),
+    ("t,thetta\n0,1\n2,1\n", "thetta"),
+    ("t\n0\n2\n", "no column"),
+    ("theta\n0\n2\n", "t"),
+    ("t,theta\n", "t"),
+    ("t,theta\n0,1\n2,1\n", "do not determine"),
 )
 def test_bad_measurements(spin, data, message):
-    """Times that do not increase, cells without numbers, too few rows."""
     assert message in spin.refuse(TOP + FIT, data=data)
 
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from conftest import largest, output
+from conftest import each, largest, output
 from effects_test import FREE, OMEGA, SKEW, TIGHT, Q, move, refused, scene, tolerant
 from mechanics import runge_kutta
 
@@ -24,7 +24,6 @@ HEAD = "omega3,friction_torque\n"
 
 
 def table(rows):
-    """The text of a table of friction."""
     return HEAD + "".join(f"{omega!r},{torque!r}\n" for omega, torque in rows)
 
 
@@ -49,8 +48,8 @@ def spin_down(omega3, t):
     return omega3
 
 
-@pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("method", METHODS)
+@each("direction", 1, -1)
+@each("method", *METHODS)
 def test_spin_down(spin, method, direction):
     """A body that spins about its axis alone has a closed form; it starts at a row."""
     integration, tolerance = METHODS[method]
@@ -80,7 +79,7 @@ def test_laws_of_keys(spin):
     assert largest(found.rows.energy_error) < 1e-12
 
 
-@pytest.mark.parametrize("interpolation", ["linear", "monotone", "spline"])
+@each("interpolation", "linear", "monotone", "spline")
 def test_methods_agree(spin, interpolation):
     """The spin of a body without symmetry rises and falls across rows; the law falls first."""
     rows = [(0, 0.02), (1, 0.012), (3, 0.02), (6, 0.05), (8, 0.06), (10, 0.1), (15, 0.3), (30, 0.5)]
@@ -114,7 +113,6 @@ def test_axis_of_a_tensor(spin):
 
 
 def test_order_of_fixed_steps(spin):
-    """Steps of fixed size do not end at rows, which a warning says."""
     how = "method = 'rk4'  steps = 99"
     run = spin(
         scene(FREE, "theta = 1  omega = 0, 0, 50", "t_end = 1", KEY, how), friction=table(BROKEN)
@@ -137,42 +135,36 @@ def test_sweep(spin):
         assert row.energy_error_max < 1e-11
 
 
-@pytest.mark.parametrize(
-    ("rows", "effects", "words"),
-    [
-        ("0,0", "", "has 1 rows"),
-        ("0,0\n1,2", "friction_interpolation = 'spline'", "has 2 rows"),
-        ("1,0\n2,1", "", "friction.csv:2: the table begins at omega3 = 1"),
-        ("-1,0\n0,1", "", "friction.csv:2: the table begins at omega3 = -1"),
-        ("0,0\n3,1\n3,2", "", "friction.csv:4: omega3 = 3"),
-        ("0,0\n3,1\n2,2", "", "friction.csv:4: omega3 = 2"),
-        ("0,0\n# bearing\n3,-1", "", "friction.csv:4: friction_torque = -1 would drive the body"),
-        ("0,nan\n3,1", "", "friction.csv:2: row 1 has a value that is not finite"),
-        ("0,0\n3,x", "", "friction.csv:3: 'x' in column friction_torque is not a number"),
-        (
-            "0,1\n1,0\n2,0\n30,1",
-            "friction_interpolation = 'spline'",
-            "friction.csv:3: from this row to the next the spline is negative",
-        ),
-        ("0,0\n5,1", "", "the table ends at omega3 = 5, below that of the start, 8"),
-        ("0,1\n50,0.5", "friction_smoothing = 0.1", "falls from its value at rest"),
-        ("0,0\n50,0.5", "friction_law = 1", "friction_table"),
-    ],
+@each(
+    "rows, effects, words",
+    ("0,0", "", "has 1 rows"),
+    ("0,0\n1,2", "friction_interpolation = 'spline'", "has 2 rows"),
+    ("1,0\n2,1", "", "friction.csv:2: the table begins at omega3 = 1"),
+    ("-1,0\n0,1", "", "friction.csv:2: the table begins at omega3 = -1"),
+    ("0,0\n3,1\n3,2", "", "friction.csv:4: omega3 = 3"),
+    ("0,0\n3,1\n2,2", "", "friction.csv:4: omega3 = 2"),
+    ("0,0\n# bearing\n3,-1", "", "friction.csv:4: friction_torque = -1 would drive the body"),
+    ("0,nan\n3,1", "", "friction.csv:2: row 1 has a value that is not finite"),
+    ("0,0\n3,x", "", "friction.csv:3: 'x' in column friction_torque is not a number"),
+    (
+        "0,1\n1,0\n2,0\n30,1",
+        "friction_interpolation = 'spline'",
+        "friction.csv:3: from this row to the next the spline is negative",
+    ),
+    ("0,0\n5,1", "", "the table ends at omega3 = 5, below that of the start, 8"),
+    ("0,1\n50,0.5", "friction_smoothing = 0.1", "falls from its value at rest"),
+    ("0,0\n50,0.5", "friction_law = 1", "friction_table"),
 )
 def test_bad_tables(spin, rows, effects, words):
-    """Each mistake is refused with its line; tables that would drive the body are."""
     text = scene(FREE, "theta = 1  omega = 0, 0, -8", "t_end = 1", f"{KEY}  {effects}")
     refused(spin, text, words, friction=HEAD + rows + "\n")
 
 
-@pytest.mark.parametrize(
-    ("effects", "words"),
-    [
-        (KEY, ["omega3", "its columns are omega3, friction_torque"]),
-        ("friction_interpolation = 'spline'", ["give friction_table too"]),
-    ],
+@each(
+    "effects, words",
+    (KEY, ["omega3", "its columns are omega3, friction_torque"]),
+    ("friction_interpolation = 'spline'", ["give friction_table too"]),
 )
 def test_table_without_its_columns(spin, effects, words):
-    """The columns are named where they are missing; an interpolation needs a table."""
     text = scene(FREE, "theta = 1  omega = 0, 0, 8", "t_end = 1", effects)
     refused(spin, text, "scene.nml:4", *words, friction="omega,torque\n0,0\n9,1\n")

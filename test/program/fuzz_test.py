@@ -1,11 +1,9 @@
 """Some hundred inputs of any kind: none brings the program down. The long tests have more."""
 
-import pytest
-
+from conftest import each
 from input_fuzzer import check_seeds
 
 
-@pytest.mark.parametrize("first", [0, 100, 200])
+@each("first", 0, 100, 200)
 def test_inputs(folder, first):
-    """Keys and values of any kind, and bytes."""
     check_seeds(folder, range(first, first + 100))

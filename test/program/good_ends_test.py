@@ -8,7 +8,7 @@ and where nothing is left to compute. `python_ends_test` has the kinds of Python
 import numpy as np
 import pytest
 
-from conftest import listed
+from conftest import each, listed, netcdf_is_missing
 
 TOP = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.8660254037844387 /\n"
 SCENE = (
@@ -29,61 +29,53 @@ NETCDF = "output.format=netcdf"
 GOOD_ENDS = {entry["name"] for entry in listed("statuses") if entry["good"]}
 
 
-def formats(spin):
-    """The options of the formats that this build writes, without and with --resume."""
-    has_netcdf = spin(SWEEP, "--check", NETCDF, code=(0, 2)).code == 0
-    ways = [[], [NETCDF]] if has_netcdf else [[]]
+def formats():
+    ways = [[]] if netcdf_is_missing() else [[], [NETCDF]]
     return [[*way, *more] for way in ways for more in ([], ["--resume"])]
 
 
 def test_list():
-    """The flag says which statuses are those of motions that were computed to their end."""
     assert {"ok", "at_rest"} == GOOD_ENDS
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_trajectory(spin, keys, good):
     """The rows go on at rest; the code is the same where nothing is left to compute."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SCENE + keys, "span.samples=101", *options, code=0 if good else FAILED)
     assert (len(run.rows) == 101) is good
     (said,) = (line for line in run.comments if line.startswith("status: "))
     assert (said.split()[1] in GOOD_ENDS) is good
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_sweep(spin, keys, good):
-    """A sweep fails if a case does; the code is the same where nothing is left to compute."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SWEEP + WITH_ROWS + keys, *options, code=0 if good else FAILED)
     assert list(run.rows.status.isin(GOOD_ENDS)) == [True, True, good]
     assert list(np.isfinite(run.rows.t_stuck)) == [True, True, good]
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
-@pytest.mark.parametrize("output", [WITH_ROWS, WITHOUT_ROWS], ids=["rows", "no rows"])
+@each("keys, good", *ENDS)
+@each("output", WITH_ROWS, WITHOUT_ROWS, ids=["rows", "no rows"])
 def test_statistics(spin, keys, good, output):
     """Cases at rest are in the statistics: t_stuck has a mean."""
-    for options in formats(spin):
+    for options in formats():
         run = spin(SWEEP + STATISTICS + output + keys, *options, code=0 if good else FAILED)
     row = run.table("statistics").iloc[0]
     assert list(row[["cases", "failed", "t_stuck_count"]]) == [3, not good, 3 if good else 2]
     assert 0 < row.t_stuck_mean < 2
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
-@pytest.mark.parametrize("output", [WITH_ROWS, STATISTICS + WITHOUT_ROWS], ids=["rows", "no rows"])
+@each("keys, good", *ENDS)
+@each("output", WITH_ROWS, STATISTICS + WITHOUT_ROWS, ids=["rows", "no rows"])
 def test_parts(spin, keys, good, output):
-    """Each part of a sweep has the code of its own cases."""
     for options in ([], ["--resume"]):
         for part, code in ((1, 0), (2, 0), (3, 0 if good else FAILED)):
             spin(SWEEP + output + keys, f"--shard={part}/3", *options, code=code)
 
 
-@pytest.mark.parametrize(
-    ("method", "step"),
-    [("taylor", 0), ("dop853", 0), ("ode45", 0), ("rk4", 1e-3), ("gauss_8", 1e-3)],
-)
+@each("method, step", ("taylor", 0), ("dop853", 0), ("ode45", 0), ("rk4", 1e-3), ("gauss_8", 1e-3))
 def test_stop_at_rest(spin, method, step):
     """A motion that ends when it comes to rest has that time as t_stuck; fixed steps a step off."""
     control = f"step = {step}" if step else "relative_tolerance = 1e-9"
@@ -105,7 +97,7 @@ def test_body_that_moves_again(spin):
     assert (rows.notes.str.contains("not stopped by dry friction") == left).all()
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_fit(spin, keys, good):
     """The friction is found from a motion that comes to rest, if its model does to its end."""
     truth = SCENE + "&output columns = 't', 'phi', 'theta', 'psi' /\n"
@@ -116,9 +108,10 @@ def test_fit(spin, keys, good):
     assert not good or run.rows.estimate[0] == pytest.approx(9, rel=1e-6)
 
 
-@pytest.mark.parametrize(
-    ("kind", "keys"),
-    [("stability", "cases = 'input'"), ("work_precision", "repeats = 1  tolerances = 1e-6")],
+@each(
+    "kind, keys",
+    ("stability", "cases = 'input'"),
+    ("work_precision", "repeats = 1  tolerances = 1e-6"),
 )
 def test_comparisons_of_methods(spin, kind, keys):
     """Methods are compared on motions at rest too; the failure of one is a result."""

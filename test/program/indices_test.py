@@ -3,8 +3,8 @@
 import re
 
 import numpy as np
-import pytest
 
+from conftest import each, needs_netcdf
 from spintop_figures.registry import FIGURES
 from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
@@ -96,29 +96,24 @@ def by_quadrature(function, ends):
 
 
 def theta_max(theta_deg, psi_rate, gravity):
-    """The maximum inclination of a top released at rest: a root of a quadratic."""
     start = np.cos(np.radians(theta_deg))
     half = (0.25 * psi_rate) ** 2 / (4 * 0.875 * gravity * 0.85)
     return np.arccos(half - np.sqrt(half**2 - 2 * half * start + 1))
 
 
 def precession_period(_, psi_rate, gravity):
-    """That of a fast top, which does not depend on the inclination."""
     return 2 * np.pi * 0.25 * psi_rate / (gravity * 0.85)
 
 
 def compute(spin, text, *options):
-    """Run an input; cases may fail."""
     return spin(text, *options, code=(0, 3))
 
 
 def results(spin, folder, name="scene"):
-    """The tables of the statistics in a folder."""
     return [(spin.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
 
 
 def found(run, column):
-    """The factors of a column, and its numbers by factor."""
     rows = run.table("indices")
     rows = rows[rows.iloc[:, 0] == column]
     return list(rows.iloc[:, 1]), rows.iloc[:, 2:].to_numpy(dtype=float)
@@ -146,7 +141,6 @@ def test_formulas(spin):
 
 
 def test_estimators_of_the_rows(spin):
-    """Estimates and intervals are those that follow from the rows."""
     run = compute(spin, KNOWN)
     for name in ("theta_max", "precession_period"):
         expected, errors = with_errors(run.rows[name].to_numpy().reshape(-1, 5))
@@ -172,7 +166,6 @@ def test_groups_without_values(spin):
 
 
 def test_vector(spin):
-    """The components of a vector are one factor."""
     factors, numbers = found(compute(spin, VECTOR), "theta_end")
     assert factors == ["initial.quaternion", "initial.omega3"]
     assert (numbers[:, 6] == 16).all()
@@ -188,11 +181,9 @@ def test_nothing_varies(spin):
     assert np.isnan(numbers[:, [1, 2, 4, 5]]).all()
 
 
+@needs_netcdf
 def test_netcdf(spin):
-    """Bit for bit the numbers of the CSV."""
-    text = FAILING.replace("&output columns", "&output format = 'netcdf' columns")
-    if "this build has no NetCDF" in spin(text, code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
+    compute(spin, FAILING, "output.format=netcdf")
     path = compute(spin, FAILING).path
     one, other = (
         rows_beside(read_table(path.with_name(f"scene.statistics.{kind}")), "indices")
@@ -211,24 +202,21 @@ SINGLE = KNOWN.replace(KNOWN[KNOWN.index("&sweep") : KNOWN.index("&output")], ""
 SINGLE = SINGLE[: SINGLE.index("&output")].replace("'sweep'", "'trajectory'")
 
 
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        *(
-            (KNOWN.replace("'saltelli'", f"'{other}'"), [*SALTELLI, "a multiple of 5"])
-            for other in ("random", "sobol", "latin_hypercube")
-        ),
-        (ONE_AXIS, ["a multiple of 3"]),
-        (KNOWN.replace("cases = 10240", "cases = 10241"), ["groups of 5 cases"]),
-        (VECTOR.replace("'saltelli'", "'random'"), ["a multiple of 4"]),
-        (KNOWN.replace(COLUMNS, "columns = 'status'"), ["no column of numbers"]),
-        (KNOWN.replace(COLUMNS, ""), ["there are no columns of which statistics"]),
-        (KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), ["one of: sobol"]),
-        (SINGLE + "&statistics indices = 'sobol' /\n", ["a trajectory has no statistics"]),
-    ],
+@each(
+    "text, words",
+    *(
+        (KNOWN.replace("'saltelli'", f"'{other}'"), [*SALTELLI, "a multiple of 5"])
+        for other in ("random", "sobol", "latin_hypercube")
+    ),
+    (ONE_AXIS, ["a multiple of 3"]),
+    (KNOWN.replace("cases = 10240", "cases = 10241"), ["groups of 5 cases"]),
+    (VECTOR.replace("'saltelli'", "'random'"), ["a multiple of 4"]),
+    (KNOWN.replace(COLUMNS, "columns = 'status'"), ["no column of numbers"]),
+    (KNOWN.replace(COLUMNS, ""), ["there are no columns of which statistics"]),
+    (KNOWN.replace("indices = 'sobol'", "indices = 'morris'"), ["one of: sobol"]),
+    (SINGLE + "&statistics indices = 'sobol' /\n", ["a trajectory has no statistics"]),
 )
 def test_refusals(spin, text, words):
-    """Designs and words without indices: what is wrong, and what would be right."""
     assert text not in (KNOWN, VECTOR)
     error = spin.refuse(text)
     assert re.search(r"(?m)^\S*scene\.nml:\d+:\d+: error: ", error)
@@ -237,7 +225,6 @@ def test_refusals(spin, text, words):
 
 
 def test_check(spin):
-    """--check tells factors and groups, and its namelist is complete."""
     said = spin(KNOWN, "--check").out
     assert "Sobol' indices of 3 factors from 2048 groups of 5 cases" in said
     resolved = said[said.index("&study") :]

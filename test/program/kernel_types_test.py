@@ -2,11 +2,10 @@
 
 import re
 import shutil
-import subprocess
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each, execute
 
 KERNELS = ROOT / "src/kernels"
 
@@ -19,35 +18,27 @@ DECLARED = re.compile(
 COMPONENT = r"(\w+)(?:\[\d+\])?;$"
 TYPE = re.compile(r"^typedef struct (\w+)_t \{\n(.*?)^\} \w+;\n", re.M | re.S)
 
-# Constants of C, and the modules that have them under another name or in another place.
+# Constants of C, and the modules that have them, most under another name.
+SERIES, TYPES = "formulations/series/lane_series.f90", "kernels/kernel_types.f90"
+SAME = ["numbers", "highest_order", "lanes", "rows", "more_rows", "block_size", "most_drags"]
 CONSTANTS = {
     "instants": ("top/motions.f90", "instants"),
-    "components": ("formulations/series/lane_series.f90", "components"),
-    "quotient + 1": ("formulations/series/lane_series.f90", "quotient"),
-    "numerator + 1": ("formulations/series/lane_series.f90", "numerator"),
-    "3 * of_frame + 1": ("formulations/series/lane_series.f90", "row_frame"),
-    "3 * of_torque + 1": ("formulations/series/lane_series.f90", "row_torque"),
-    "3 * of_push + 1": ("formulations/series/lane_series.f90", "row_push"),
-    "lanes_drags + 1": ("formulations/series/lane_series.f90", "row_drags"),
-    "lanes_of_drag": ("formulations/series/lane_series.f90", "rows_of_drag"),
-    "lanes_v": ("formulations/series/lane_series.f90", "row_moment"),
-    "numbers": ("kernels/kernel_types.f90", "numbers"),
-    "highest_order": ("kernels/kernel_types.f90", "highest_order"),
-    "lanes": ("kernels/kernel_types.f90", "lanes"),
-    "rows": ("kernels/kernel_types.f90", "rows"),
-    "more_rows": ("kernels/kernel_types.f90", "more_rows"),
-    "sizeof(struct one_constants) / sizeof(double)": ("kernels/kernel_types.f90", "one_constants"),
-    "sizeof(struct lanes_constants) / sizeof(double[lanes])": (
-        "kernels/kernel_types.f90",
-        "lane_constants",
-    ),
-    "block_size": ("kernels/kernel_types.f90", "block_size"),
-    "most_drags": ("kernels/kernel_types.f90", "most_drags"),
+    "components": (SERIES, "components"),
+    "quotient + 1": (SERIES, "quotient"),
+    "numerator + 1": (SERIES, "numerator"),
+    "3 * of_frame + 1": (SERIES, "row_frame"),
+    "3 * of_torque + 1": (SERIES, "row_torque"),
+    "3 * of_push + 1": (SERIES, "row_push"),
+    "lanes_drags + 1": (SERIES, "row_drags"),
+    "lanes_of_drag": (SERIES, "rows_of_drag"),
+    "lanes_v": (SERIES, "row_moment"),
+    "sizeof(struct one_constants) / sizeof(double)": (TYPES, "one_constants"),
+    "sizeof(struct lanes_constants) / sizeof(double[lanes])": (TYPES, "lane_constants"),
+    **{name: (TYPES, name) for name in SAME},
 }
 
 
 def constant(module, name):
-    """The value of a constant of a module."""
     text = (ROOT / "src" / module).read_text(encoding="utf-8")
     value = re.search(rf"^ [^!]*\b{name} = (\d+)(?:,|$)", text, re.M)
     assert value, f"{module} has no {name}"
@@ -57,12 +48,8 @@ def constant(module, name):
 pytestmark = pytest.mark.skipif(
     not (shutil.which("gfortran") and shutil.which("gcc")), reason="no gfortran or no gcc"
 )
-NAMES = {
-    f"spintop_{name}"
-    for name in re.findall(
-        r"^(?:PROCEDURE|FUNCTION)\((\w+),", (KERNELS / "kernel_list.h").read_text("utf-8"), re.M
-    )
-}
+LIST = (KERNELS / "kernel_list.h").read_text(encoding="utf-8")
+NAMES = {f"spintop_{name}" for name in re.findall(r"^(?:PROCEDURE|FUNCTION)\((\w+),", LIST, re.M)}
 DECLARATIONS = {
     found[2]: found[0]
     for path in ROOT.glob("src/**/*.f90")
@@ -74,12 +61,7 @@ DECLARATIONS = {
 def check(folder, command, name, text):
     """What a compiler says of a source that has no error."""
     (folder / name).write_text(text, encoding="utf-8")
-    words = [*command.split(), "-fsyntax-only", name]
-    done = subprocess.run(
-        words, cwd=folder, capture_output=True, text=True, check=False, timeout=60
-    )
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    return execute(*command.split(), "-fsyntax-only", name, cwd=folder, timeout=60).stdout
 
 
 def prototypes(folder):
@@ -134,19 +116,15 @@ def test_procedures(folder):
 
 
 def test_constants(folder):
-    """Both languages have the same."""
     pairs = ((name, constant(*place)) for name, place in CONSTANTS.items())
     compare(folder, *(f'_Static_assert({name} == {value}, "{name}");' for name, value in pairs))
 
 
-@pytest.mark.parametrize(
+@each(
     "wrong",
-    [
-        '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
-        "void spintop_add_terms(int order, const double *c, double h, float *change);",
-    ],
+    '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
+    "void spintop_add_terms(int order, const double *c, double h, float *change);",
 )
 def test_differences_are_found(folder, wrong):
-    """The comparison fails where it should."""
     with pytest.raises(AssertionError):
         compare(folder, wrong)

@@ -5,11 +5,10 @@ import platform
 import re
 import resource
 import shutil
-import subprocess
 
 import pytest
 
-from conftest import CLOSED, EXE, GOOD, KIND, ROOT, texts
+from conftest import CLOSED, EXE, GOOD, KIND, ROOT, each, execute, texts
 
 STUDY = (
     "&study kind = 'sweep' /\n"
@@ -20,19 +19,14 @@ LEAST_STACK = 448 * 1024  # that is accepted
 
 
 def limited(kind, size):
-    """A function that sets a limit in a child process."""
     return lambda: resource.setrlimit(kind, (size, size))
 
 
 def small(spin, *words, code=0, size=LEAST_STACK):
     """Run with small stacks, of the first thread and of the others; returns what was said."""
-    run = spin.call(
-        *words,
-        "--threads=2",
-        code=code,
-        preexec_fn=limited(resource.RLIMIT_STACK, size),
-        environment={"OMP_STACKSIZE": f"{size // 1024}k"},
-    )
+    options = {"environment": {"OMP_STACKSIZE": f"{size // 1024}k"}, "code": code}
+    options["preexec_fn"] = limited(resource.RLIMIT_STACK, size)
+    run = spin.call(*words, "--threads=2", **options)
     return run.out + run.stderr
 
 
@@ -46,38 +40,31 @@ PRECISION = CLOSED + (
 )
 
 
-@pytest.mark.parametrize(
-    ("text", "options"),
-    [
-        (SWEEP.replace("steps = 10", "steps = 100"), [EVERYTHING]),
-        (CLOSED + STUDY, [EVERYTHING]),
-        (CLOSED + STUDY, ["--set=span.stop_at=lower_turning_points", "--set=span.t_end=9"]),
-        (STABILITY, []),
-        (PRECISION, []),
-        (PRECISION, ["--set=work_precision.reference=quadruple"]),
-    ],
+@each(
+    "text, options",
+    (SWEEP.replace("steps = 10", "steps = 100"), [EVERYTHING]),
+    (CLOSED + STUDY, [EVERYTHING]),
+    (CLOSED + STUDY, ["--set=span.stop_at=lower_turning_points", "--set=span.t_end=9"]),
+    (STABILITY, []),
+    (PRECISION, []),
+    (PRECISION, ["--set=work_precision.reference=quadruple"]),
 )
 def test_every_kind_of_study(spin, text, options):
     """What costs most goes on the smallest accepted stack."""
     small(spin, spin.write(text), *options)
 
 
-@pytest.mark.parametrize(
-    ("names", "options"),
-    [
-        (NAMES, []),
-        ("random_tops", ["--set=sweep.cases=600"]),
-        ("damped_bodies", ["--set=sweep.count=600"]),
-    ],
-)
-def test_inputs(spin, names, options):
-    """The inputs that come with the program."""
-    small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
+def test_inputs(spin):
+    for names, *options in (
+        (NAMES,),
+        ("random_tops", "--set=sweep.cases=600"),
+        ("damped_bodies", "--set=sweep.count=600"),
+    ):
+        small(spin, *(ROOT / f"input/{name}.nml" for name in names.split()), *options)
 
 
-@pytest.mark.parametrize("topic", ["methods", "columns", "parameters", "cases"])
+@each("topic", "methods", "columns", "parameters", "cases")
 def test_lists(spin, topic):
-    """Commands that are not studies."""
     spin.call("list", topic, preexec_fn=limited(resource.RLIMIT_STACK, LEAST_STACK))
 
 
@@ -89,21 +76,17 @@ def test_too_small_a_stack_is_refused(spin):
     assert spin.produced() == set()
 
 
-@pytest.mark.parametrize("name", ["OMP_STACKSIZE", "GOMP_STACKSIZE"])
-@pytest.mark.parametrize(
-    ("text", "kilobytes"), [("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0)]
-)
+@each("name", "OMP_STACKSIZE", "GOMP_STACKSIZE")
+@each("text, kilobytes", ("100k", 100), ("100", 100), (" 65536 b ", 64), ("0M", 0))
 def test_too_small_stacks_of_threads(spin, name, text, kilobytes):
-    """As the variables of the environment give them."""
     error = spin(SWEEP, environment={name: text}, code=2).stderr
     assert f"a stack of {kilobytes} kB" in error
     assert "OMP_STACKSIZE" in error
     assert spin.produced() == set()
 
 
-@pytest.mark.parametrize("text", ["512K", "1 M", "2g", "nonsense"])
+@each("text", "512K", "1 M", "2g", "nonsense")
 def test_stacks_that_suffice(spin, text):
-    """They are taken."""
     spin(SWEEP, environment={"OMP_STACKSIZE": text})
 
 
@@ -112,8 +95,7 @@ def test_stacks_that_suffice(spin, text):
 @pytest.mark.skipif(not shutil.which("objdump"), reason="there is no objdump")
 def test_no_procedure_takes_much():
     """A third of the smallest stack at most, so that those that call each other fit into it."""
-    command = ["objdump", "--disassemble", "--no-show-raw-insn", EXE]
-    code = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    code = execute("objdump", "--disassemble", "--no-show-raw-insn", EXE).stdout
     frames, name = {}, ""
     pattern = r"^[0-9a-f]+ <(?P<name>.*)>:$|\bsub +\$0x(?P<size>[0-9a-f]{1,8}),%rsp"
     for found in re.finditer(pattern, code, re.MULTILINE):
@@ -132,7 +114,6 @@ def short(spin, text, *options, megabytes):
 
 
 def test_too_many_rows(spin):
-    """Nothing is begun."""
     text = GOOD.replace("method = 'rk4'", "method = 'ode45'").replace("steps = 10", "")
     said = short(spin, text, "--set=span.samples=2000000000", megabytes=1000)
     assert "not enough memory for the times of 2000000000 rows" in said
@@ -141,7 +122,6 @@ def test_too_many_rows(spin):
 
 
 def test_too_many_threads(spin):
-    """Resources that the run-time library cannot get."""
     assert "there is no more memory" in short(spin, SWEEP, "--threads=500", megabytes=200)
     assert "output/scene.csv" not in spin.produced()
 
@@ -152,27 +132,15 @@ def redirected(spin, redirection, *words, code):
     return spin.call(*words, command=shell, code=code, timeout=60).stderr
 
 
-PARTS = [f"output/sweep.{number}-of-2.csv" for number in (1, 2)]
-
-
-@pytest.mark.parametrize(
-    ("redirection", "reason"),
-    [(">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")],
+@each(
+    "redirection, reason", (">/dev/full", "No space left on device"), (">&-", "Bad file descriptor")
 )
 def test_output_that_takes_nothing(spin, redirection, reason):
     """Exit code 4 and a message, for every command; the tables are complete."""
     scene, sweep = spin.write(GOOD), spin.write(SWEEP, "sweep.nml")
-    for number in (1, 2):
-        spin.call(sweep, "--shard", f"{number}/2")
-    for words in (
-        ["--help"],
-        ["--version"],
-        ["list", "columns"],
-        ["--check", scene],
-        [scene],
-        [sweep],
-        ["merge", "output/merged.csv", *PARTS],
-    ):
+    merged = ["merge", "output/merged.csv", *spin.parts(sweep, 2)]
+    others = [["--help"], ["--version"], ["list", "columns"], ["--check", scene], [scene], [sweep]]
+    for words in (*others, merged):
         said = redirected(spin, redirection, *words, code=4)
         assert said == f"cannot write to standard output: {reason}\n"
     output = spin.folder / "output"
@@ -183,15 +151,18 @@ def test_output_that_takes_nothing(spin, redirection, reason):
 
 
 def test_other_inputs_run_all_the_same(spin):
-    """That a summary is lost does not keep the next table from being written."""
     redirected(spin, ">/dev/full", spin.write(GOOD), spin.write(GOOD, "two.nml"), code=4)
     one, two = (texts(spin.folder / f"output/{name}.csv") for name in ("scene", "two"))
     assert one.equals(two)
 
 
-@pytest.mark.parametrize(
-    ("redirection", "code"),
-    [("<&-", 0), ("2>&-", 0), (">&- 2>&-", 4), ("<&- >&- 2>&-", 4), ("2>/dev/full", 0)],
+@each(
+    "redirection, code",
+    ("<&-", 0),
+    ("2>&-", 0),
+    (">&- 2>&-", 4),
+    ("<&- >&- 2>&-", 4),
+    ("2>/dev/full", 0),
 )
 def test_closed_streams_do_not_leak_into_files(spin, redirection, code):
     """A file does not get the number of a closed stream, and with it what is said there.
@@ -204,20 +175,17 @@ def test_closed_streams_do_not_leak_into_files(spin, redirection, code):
 
 
 def test_errors_that_nobody_reads(spin):
-    """The exit code of wrong usage stays."""
     redirected(spin, "2>/dev/full", "--bad", code=2)
 
 
 def test_a_reader_that_has_gone():
     """SIGPIPE, as of any program: 128 and its number in a shell."""
-    command = ["bash", "-c", '("$0" list columns; echo $? >&2) | true', EXE]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    done = execute("bash", "-c", '("$0" list columns; echo $? >&2) | true', EXE)
     assert done.stderr in ("141\n", "0\n")
 
 
-@pytest.mark.parametrize("text", [GOOD, SWEEP])
+@each("text", GOOD, SWEEP)
 def test_a_folder_under_the_name_of_the_table(spin, text):
-    """Exit code 4, and nothing else is left."""
     (spin.folder / "output/scene.csv").mkdir(parents=True)
     assert "output/scene.csv: it is a folder" in spin(text, code=4).stderr
     assert "output/scene.csv.part" not in spin.produced()
@@ -225,7 +193,6 @@ def test_a_folder_under_the_name_of_the_table(spin, text):
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
 def test_a_folder_that_may_not_be_written(spin):
-    """Exit code 4."""
     (spin.folder / "output").mkdir(mode=0o500)
     spin(GOOD, code=4)
 

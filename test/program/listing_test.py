@@ -6,7 +6,7 @@ import re
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 
 TOPICS = {
     "methods": "name family order kind implicit symmetric description formulations aliases tables",
@@ -34,7 +34,6 @@ def no_constant(word):
 
 
 def listed(spin, *topic):
-    """A document."""
     run = spin.call("list", *topic, "--json")
     assert run.stderr == ""
     assert run.out.isascii()
@@ -42,7 +41,6 @@ def listed(spin, *topic):
 
 
 def test_document(spin):
-    """It has all topics, in the order of the help."""
     whole = listed(spin)
     assert whole["format"] == 1
     version = re.escape(whole["version"])
@@ -52,7 +50,7 @@ def test_document(spin):
     assert re.split(r",\s+", shown[1]) == list(TOPICS)
 
 
-@pytest.mark.parametrize("topic", TOPICS)
+@each("topic", *TOPICS)
 def test_topic(spin, topic):
     """A document of one topic is part of the whole, with the members that scripts know.
 
@@ -92,16 +90,14 @@ def test_units_of_columns(spin):
     assert len(units) < 100
 
 
-@pytest.mark.parametrize(
-    "path", sorted((ROOT / "python/spintop_figures/tables").glob("*.json")), ids=lambda p: p.stem
+@each(
+    "path", *sorted((ROOT / "python/spintop_figures/tables").glob("*.json")), ids=lambda p: p.stem
 )
 def test_copies(spin, path):
-    """The copies that the figures read are what the program prints."""
     assert path.read_text(encoding="utf-8") == spin.call("list", path.stem, "--json").out
 
 
 def test_methods(spin):
-    """Family, order, kind, formulations, aliases and tables."""
     methods = {entry["name"]: entry for entry in spin.listed("methods")}
     kinds = {name: (entry["order"], entry["kind"]) for name, entry in methods.items()}
     assert kinds["exact"] == (None, "exact")
@@ -122,7 +118,6 @@ def test_methods(spin):
 
 
 def test_parameters(spin):
-    """Units, ranges, choices and defaults."""
     found = {entry["name"]: entry for entry in spin.listed("parameters")}
     theta = {"group": "initial", "key": "theta", "type": "real", "unit": "rad", "range": "[0, pi]"}
     theta |= {"default": None, "lower": 0, "lower_open": False}
@@ -137,7 +132,6 @@ def test_parameters(spin):
 
 
 def test_columns(spin):
-    """Each belongs to a study, and has a unit or none."""
     columns = spin.listed("columns")
     owners = {entry["study"] for entry in columns}
     assert owners == {entry["name"] for entry in spin.listed("studies")}
@@ -150,25 +144,21 @@ def test_columns(spin):
     assert units["sweep", "delta_u"] == ""
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (["methdos"], "did you mean 'methods'?"),
-        (["methdos", "--json"], "did you mean 'methods'?"),
-        (["methods", "cases"], "one topic"),
-        (["--json", "methods", "cases"], "one topic"),
-        (["methods", "--jsno"], "--json"),
-    ],
+@each(
+    "words, said",
+    (["methdos"], "did you mean 'methods'?"),
+    (["methdos", "--json"], "did you mean 'methods'?"),
+    (["methods", "cases"], "one topic"),
+    (["--json", "methods", "cases"], "one topic"),
+    (["methods", "--jsno"], "--json"),
 )
 def test_wrong_requests(spin, words, said):
-    """A topic that there is not, two, and other options are refused."""
     run = spin.call("list", *words, code=2)
     assert run.out == ""
     assert said in run.stderr
 
 
 def test_no_topic(spin):
-    """Without one the topics are listed; an option may come first."""
     spin.call("list", "--json", "cases")
     alone = spin.call("list")
     assert alone.stderr == ""

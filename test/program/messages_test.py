@@ -4,7 +4,8 @@ import re
 
 import pytest
 
-from conftest import CLOSED, GOOD, ROOT, output
+from conftest import CLOSED, GOOD, ROOT, each, output
+from proof_test import HAS_FLINT, MISSING
 
 SWEEP = GOOD[: GOOD.index("&output")].replace("&top", "&study kind = 'sweep' /\n&top")
 DAMPED = GOOD.replace("&top", "&top damping = 0.1, 0.1, 0.1").replace("'lagrange'", "'auto'")
@@ -12,32 +13,13 @@ AXIS = "&sweep parameter(1) = '{}', values(1,:) = {} /\n"
 
 
 def hint(spin, text, *settings):
-    """The messages of the program, with joined lines."""
     return " ".join(spin.refuse(text, *settings).split())
-
-
-@pytest.mark.parametrize(
-    ("setting", "rest"),
-    [
-        ("top.length=1 / &x", "/ &x"),
-        ("top.length=1/", "/"),
-        ("top.length=1 &span", "&span"),
-        ("top.length=1 mass=2", "mass=2"),
-        ("top.inertia=1,1,1 / 3", "/ 3"),
-        ("study.title='a' / b", "/ b"),
-        ("output.columns='t' / 'theta'", "/ 'theta'"),
-    ],
-)
-def test_what_follows_a_value(spin, setting, rest):
-    """No part of an override is ignored: a slash, a group, another key are refused."""
-    place = f"--set:1:{setting.index(rest) + 1}: error: unexpected text after the value"
-    assert place in spin.refuse(GOOD, setting)
 
 
 CHARACTERS = ("\n", "\r", "\t", "\x0b", "\x0c", "\x1b", "\x1c", "\x7f", "\x85", "\u2028", "\u2029")
 
 
-@pytest.mark.parametrize("key", ["study.title", "output.file", "sweep.table", "span.stop_at"])
+@each("key", "study.title", "output.file", "sweep.table", "span.stop_at")
 def test_control_characters(spin, key):
     """Anything that would end a line of the table for some reader is refused, in every text."""
     for character in CHARACTERS:
@@ -46,7 +28,6 @@ def test_control_characters(spin, key):
 
 
 def test_control_characters_of_a_file(spin):
-    """They are refused there too; letters of any language are text."""
     for character in CHARACTERS[:-1]:
         spin.refuse(f"{GOOD}&study title = 'a{character}b' /\n")
     title = "Kreisel \u00e4\u00df \u03b8"
@@ -54,7 +35,7 @@ def test_control_characters_of_a_file(spin):
 
 
 DEGREES = "is in rad/s: 1 rad/s = 57.29577951308232 deg/s"
-UNITS = "units are rad, mrad, deg"
+UNITS, OF_RATES = "units are rad, mrad, deg", "units are rad/s, mrad/s, deg/s"
 QUOTES = "a number with its unit is in quotes, as '20 deg'"
 
 
@@ -63,6 +44,7 @@ DRAWN += " 'lognormal' deviation(1) = 0.1 mean(1) = '1 rpm' /"
 DRAGGED = "&effects drag_moment = 0, 0, 0.1 drag_exponent = 2 /\n"
 TILTED = GOOD.replace("theta = 0.19634954084936207", "quaternion = 1, 0, 0.1, 0")
 TILTED = TILTED.replace("psi_rate = 1.0", "omega = 0, 0, 1").replace("'lagrange'", "'auto'")
+OMEGA3 = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
 HINTS = {
     GOOD: [
         # Degrees where radians belong, and other units.
@@ -78,10 +60,7 @@ HINTS = {
         ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad", UNITS),
         # Keys and columns that are elsewhere, or need something.
         ("span.rtol=1e-9", "did you mean 'relative_tolerance' in group &integration?"),
-        (
-            *("output.columns=t,lyapunov_exponent", "a trajectory has no column"),
-            "'lyapunov_exponent': sweeps and stability studies have it",
-        ),
+        ("output.columns=t,lyapunov_exponent", "'lyapunov_exponent': sweeps and stability studies"),
         (
             *("output.columns=t,time_s", "a trajectory has no column 'time_s': stability studies,"),
             "work-precision studies and studies of benchmarks have it",
@@ -104,6 +83,11 @@ HINTS = {
             "a sweep has no column 'gamma1': trajectories have it",
         ),
     ],
+    SWEEP.replace("psi_rate", "phi_rate") + OMEGA3: [
+        ("sweep.from(1)='3 deg'", "omega3: deg is no unit of a quantity in rad/s", OF_RATES),
+        ("sweep.from(1)=3 m", "omega3: m is no unit of a quantity in rad/s", OF_RATES),
+        ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit", OF_RATES),
+    ],
     GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],
@@ -116,11 +100,8 @@ HINTS = {
 """Inputs, each with settings and groups that are wrong, and what is said."""
 
 
-@pytest.mark.parametrize(
-    ("text", "case"), [(text, case) for text, cases in HINTS.items() for case in cases]
-)
+@each("text, case", *[(text, case) for text, cases in HINTS.items() for case in cases])
 def test_hints(spin, text, case):
-    """The hint is what is meant."""
     wrong, *words = case
     parts = wrong.split("; ") if wrong else []
     text += "".join(part for part in parts if "&" in part)
@@ -129,38 +110,20 @@ def test_hints(spin, text, case):
         assert word in said
 
 
-@pytest.mark.parametrize(
-    ("setting", "problem"),
-    [
-        ("sweep.from(1)='3 deg'", "initial.omega3: deg is no unit of a quantity in rad/s"),
-        ("sweep.from(1)=3 m", "initial.omega3: m is no unit of a quantity in rad/s"),
-        ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit"),
-    ],
-)
-def test_units_of_axes(spin, setting, problem):
-    """The unit of an axis is that of its parameter."""
-    axis = "&sweep parameter(1) = 'initial.omega3', from(1) = 1, to(1) = 2, count(1) = 2 /"
-    said = hint(spin, SWEEP.replace("psi_rate", "phi_rate") + axis, setting)
-    assert problem in said
-    assert "units are rad/s, mrad/s, deg/s" in said
-
-
 BLANK, MINUS = "\u00a0", "\u2212"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "character", "wanted"),
-    [
-        ("mass = 1.0", "mass: 1.0", ":", "a key is followed by ="),
-        ("mass = 1.0", "mass = 1.0 # kg, don't", "#", "a comment starts with !"),
-        ("mass = 1.0", "! [#;]\nmass = 1.0; title", ";", "values are separated by commas"),
-        ("inertia =", "inertia[1] =", "[", "a subscript is in parentheses"),
-        ("'rk4'", "\u2018rk4\u2019", "\u2018", "a text is in straight quotes"),
-        ("'t', ", "\u201ct\u201d, ", "\u201c", "a text is in straight quotes"),
-        ("mass = 1.0", f"mass{BLANK}= 1.0", BLANK, "write an ordinary blank"),
-        ("0.25\n", f"0.25{BLANK}", BLANK, "write an ordinary blank"),
-        ("= 0.5", f"= {MINUS}0.5", MINUS, "a minus sign is -"),
-    ],
+@each(
+    "old, new, character, wanted",
+    ("mass = 1.0", "mass: 1.0", ":", "a key is followed by ="),
+    ("mass = 1.0", "mass = 1.0 # kg, don't", "#", "a comment starts with !"),
+    ("mass = 1.0", "! [#;]\nmass = 1.0; title", ";", "values are separated by commas"),
+    ("inertia =", "inertia[1] =", "[", "a subscript is in parentheses"),
+    ("'rk4'", "\u2018rk4\u2019", "\u2018", "a text is in straight quotes"),
+    ("'t', ", "\u201ct\u201d, ", "\u201c", "a text is in straight quotes"),
+    ("mass = 1.0", f"mass{BLANK}= 1.0", BLANK, "write an ordinary blank"),
+    ("0.25\n", f"0.25{BLANK}", BLANK, "write an ordinary blank"),
+    ("= 0.5", f"= {MINUS}0.5", MINUS, "a minus sign is -"),
 )
 def test_foreign_characters(spin, old, new, character, wanted):
     """A character without a meaning is named at its place, alone, with what to write."""
@@ -175,21 +138,18 @@ def test_foreign_characters(spin, old, new, character, wanted):
 
 
 def test_characters_of_texts(spin):
-    """In texts and comments each may stand; a text without quotes goes to the end."""
     assert "title = 'a / b &c'" in spin(GOOD, "--check", "study.title=a / b &c").out
     spin(f"! [#;] {MINUS}\n&study title = '[a]; #1: \u201cb\u201d' /\n{GOOD}")
 
 
-@pytest.mark.parametrize(
-    ("setting", "more"),
-    [
-        ("effects.earth_rate=1 rev/day", "effects.latitude=0.7"),
-        ("effects.vibration_rate=50 Hz", "effects.vibration_amplitude=0,0,0.01"),
-        ("top.length=0.3 yards", "initial.spin_ratio=2"),
-        ("top.inertia=1,1,x", "integration.method=exact"),
-        ("top.damping=1,1,one", "output.columns=work_damping"),
-        ("study.kind=swep", "output.columns=theta_max"),
-    ],
+@each(
+    "setting, more",
+    ("effects.earth_rate=1 rev/day", "effects.latitude=0.7"),
+    ("effects.vibration_rate=50 Hz", "effects.vibration_amplitude=0,0,0.01"),
+    ("top.length=0.3 yards", "initial.spin_ratio=2"),
+    ("top.inertia=1,1,x", "integration.method=exact"),
+    ("top.damping=1,1,one", "output.columns=work_damping"),
+    ("study.kind=swep", "output.columns=theta_max"),
 )
 def test_errors_that_follow(spin, setting, more):
     """What cannot be read is reported, and nothing that would follow from it."""
@@ -210,19 +170,16 @@ def test_names_of_other_programs(spin):
         assert f"{group}.{key}" in known
 
 
-@pytest.mark.parametrize(
-    ("name", "own"),
-    [
-        ("rk45", "ode45"),
-        ("RK45", "ode45"),
-        ("dopri5", "ode45"),
-        ("verlet", "splitting_2"),
-        ("implicit_midpoint", "crank_nicolson_2"),
-        ("rk44", "rk4"),
-    ],
+@each(
+    "name, own",
+    ("rk45", "ode45"),
+    ("RK45", "ode45"),
+    ("dopri5", "ode45"),
+    ("verlet", "splitting_2"),
+    ("implicit_midpoint", "crank_nicolson_2"),
+    ("rk44", "rk4"),
 )
 def test_names_that_others_use(spin, name, own):
-    """Names of the methods in SciPy, MATLAB and textbooks."""
     assert f"did you mean '{own}'?" in hint(spin, GOOD, f"integration.method={name}")
     study = "study.kind=work_precision", "integration.method=auto"
     said = hint(spin, CLOSED, *study, f"work_precision.methods=rk4,{name}")
@@ -230,39 +187,40 @@ def test_names_that_others_use(spin, name, own):
 
 
 def test_an_unknown_effect(spin):
-    """It is one error, not two, where a column needs effects."""
     error = spin.refuse(CLOSED + "&effects no_friction = 1 /\n", "output.columns=work_friction")
     assert "unknown key 'no_friction'" in error
     assert "work_friction" not in error
 
 
-@pytest.mark.parametrize(
-    ("settings", "element"),
-    [
-        (["top.inertia=0.5,0.5,2.5"], "2.5"),
-        (["top.inertia=0.5,-1,0.5"], "-1"),
-        (["output.columns=t,theta,thetta"], "thetta"),
-        (["output.columns=t,theta,t"], ",t"),
-        (["output.events=maximum theta,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
-        (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
-    ],
+@each(
+    "settings, element",
+    (["top.inertia=0.5,0.5,2.5"], "2.5"),
+    (["top.inertia=0.5,-1,0.5"], "-1"),
+    (["output.columns=t,theta,thetta"], "thetta"),
+    (["output.columns=t,theta,t"], ",t"),
+    (["output.events=maximum theta,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.cases=thousand_nutations,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.methods=rk4,ode45,nonsense"], "nonsense"),
+    (["study.kind=stability", "stability.methods=rk4,ode45/nonsense"], "ode45/nonsense"),
+    # No part of an override is ignored: a slash, a group, another key are refused.
+    *((["top.length=1" + rest], rest) for rest in (" / &x", "/", " &span", " mass=2")),
+    (["top.inertia=1,1,1 / 3"], " / 3"),
+    (["study.title='a' / b"], " / b"),
+    (["output.columns='t' / 'theta'"], " / 'theta'"),
 )
 def test_carets_point_at_elements(spin, settings, element):
-    """At the element of a list that is meant, not at its first."""
-    column = settings[-1].rindex(element) + 1 + element.startswith(",")
-    assert f"--set:1:{column}: error: " in spin.refuse(GOOD, *settings)
+    column = settings[-1].rindex(element) + 1 + element.startswith((",", " "))
+    said = "unexpected text after the value" if element[0] in " /" else ""
+    assert f"--set:1:{column}: error: {said}" in spin.refuse(GOOD, *settings)
 
 
 def test_a_caret_in_a_file(spin):
-    """The same of a list in a file."""
     text = SWEEP + "&sweep parameter(1) = 'top.mass'\nvalues(1,:) = 1, 2, -3, 4 /\n"
     line = text[: text.index("values(1")].count("\n") + 1
     assert f"scene.nml:{line}:21: error: top.mass must be > 0" in spin.refuse(text)
 
 
-@pytest.mark.parametrize("key", ["relative_tolerance", "absolute_tolerance"])
+@each("key", "relative_tolerance", "absolute_tolerance")
 def test_a_tolerance_that_is_not_used(spin, key):
     """The motion is known in closed form: it is said, and computed all the same."""
     assert f"warning: integration.{key} is not used" in spin(CLOSED, f"integration.{key}=1e-3").err
@@ -273,9 +231,7 @@ def test_a_tolerance_that_is_not_used(spin, key):
     assert "not used" not in spin(adaptive, "integration.method=ode45").stderr
 
 
-@pytest.mark.parametrize(
-    ("lengths", "warned"), [("0.1, 0.2, 3, 4", 3), ("3, 0.1, 4", None), ("0.1, 0.2", 0)]
-)
+@each("lengths, warned", ("0.1, 0.2, 3, 4", 3), ("3, 0.1, 4", None), ("0.1, 0.2", 0))
 def test_every_case_of_a_sweep_is_looked_at(spin, lengths, warned):
     """An inertia that no body has is told of once; in a case that is not the first, with it."""
     error = spin(SWEEP + AXIS.format("top.length", lengths)).stderr
@@ -287,7 +243,6 @@ def test_every_case_of_a_sweep_is_looked_at(spin, lengths, warned):
 
 
 def test_what_damping_changes_is_not_constant(spin):
-    """Momentum and energy of the start."""
     said = spin(DAMPED, "--check").out
     assert "constants" not in said
     assert re.search(r"start +Lz = .* J s, E = .* J; the damping changes both", said)
@@ -305,21 +260,17 @@ HEAD += output(
 )
 
 
-@pytest.mark.parametrize(
+@each(
     "way",
-    [
-        {"phi": 0.1, "theta": 0.3, "psi": -0.7, "phi_rate": 0, "theta_rate": 0, "psi_rate": 1.1},
-        {"phi": 0, "theta": 1.7, "psi": 0, "phi_rate": 0.9, "theta_rate": -0.3, "omega3": 4.7},
-        {"theta": 2.9, "phi_rate": 1.3, "theta_rate": 0.1, "omega3": -0.7},
-        {"phi": 1, "theta": 1.1, "psi": 2, "omega": [0.1, 0.2, 0.7]},
-        {"quaternion": [0.5, -0.5, 0.5, 0.5], "omega": [0.3, 0, 0.7]},
-        {"quaternion": [-0.48, 0.64, 0.36, 0.48], "omega": [0.3, 0.1, -7]},
-    ],
+    {"phi": 0.1, "theta": 0.3, "psi": -0.7, "phi_rate": 0, "theta_rate": 0, "psi_rate": 1.1},
+    {"phi": 0, "theta": 1.7, "psi": 0, "phi_rate": 0.9, "theta_rate": -0.3, "omega3": 4.7},
+    {"theta": 2.9, "phi_rate": 1.3, "theta_rate": 0.1, "omega3": -0.7},
+    {"phi": 1, "theta": 1.1, "psi": 2, "omega": [0.1, 0.2, 0.7]},
+    {"quaternion": [0.5, -0.5, 0.5, 0.5], "omega": [0.3, 0, 0.7]},
+    {"quaternion": [-0.48, 0.64, 0.36, 0.48], "omega": [0.3, 0.1, -7]},
     ids=" ".join,
 )
-@pytest.mark.parametrize(
-    "form", ["auto", "euler", "lagrange", "lagrange_energy", "rigid_body", "space_frame"]
-)
+@each("form", "auto", "euler", "lagrange", "lagrange_energy", "rigid_body", "space_frame")
 def test_every_way_to_give_a_start(spin, form, way):
     """The first row is the start as it was given: each number to its last digit."""
     start = ", ".join(f"{key} = {str(value).strip('[]')}" for key, value in way.items())
@@ -335,8 +286,8 @@ def test_every_way_to_give_a_start(spin, form, way):
     assert "-0" not in list(row)
 
 
-@pytest.mark.parametrize("sign", [-1, 1])
-@pytest.mark.parametrize("method", ["exact", "taylor"])
+@each("sign", -1, 1)
+@each("method", "exact", "taylor")
 def test_the_next_row_is_close(spin, sign, method):
     """No angle and no sign of the quaternion jumps after the start."""
     quaternion = ", ".join(str(sign * x) for x in (0.48, -0.64, -0.36, -0.48))
@@ -354,3 +305,14 @@ def test_evaluations_do_not_count_comparisons(spin):
     runs = (spin(text, f"span.samples={samples}").texts for samples in (2, 101))
     few, many = (dict(zip(run.method, run.evaluations, strict=True)) for run in runs)
     assert few == many
+
+
+@pytest.mark.skipif(HAS_FLINT, reason="this build has FLINT")
+def test_a_build_without_flint(spin):
+    """A build without FLINT names what is missing, and computes everything else."""
+    error = spin.refuse(CLOSED, "--check", "output.columns=t,theta,theta_bound")
+    assert f"column 'theta_bound': {MISSING}" in error
+    assert "SPINTOP_FLINT=1 scripts/run" in error
+    assert MISSING in spin.refuse(CLOSED, "--check", "output.certified=.true.")
+    spin(CLOSED)
+    assert MISSING in spin.call("verify", "output/scene.csv", code=2).stderr

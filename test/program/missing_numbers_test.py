@@ -1,8 +1,6 @@
 """What does not exist is nan with a note: each column of a sweep alone, for every sort of body."""
 
-import pytest
-
-from conftest import listed
+from conftest import each, listed
 
 HEAD = "&study kind = 'sweep' /\n&initial theta = 0.9 omega = 0.3, 0.2, 9 /\n"
 TOP = "&top mass = 1 inertia = 0.9, 0.9, 0.25 length = 0.7 /\n"
@@ -26,12 +24,11 @@ COLUMNS = [entry["name"] for entry in listed("columns") if entry["study"] == "sw
 
 
 def test_the_list():
-    """There are many columns to look at."""
     assert len(COLUMNS) > 40
 
 
-@pytest.mark.parametrize("scene", SCENES)
-@pytest.mark.parametrize("column", COLUMNS)
+@each("scene", *SCENES)
+@each("column", *COLUMNS)
 def test_every_column(spin, scene, column):
     """A bound that is not proved is inf, which says so; builds without balls have none."""
     text = HEAD + TOP + SCENES[scene] + REST

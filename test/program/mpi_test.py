@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import GOOD, MPI, MPI_EXE, ROOT, needs_mpi, netcdf_is_missing, under, wait_until
+from conftest import GOOD, MPI, MPI_EXE, ROOT, each, needs_mpi, needs_netcdf, under, wait_until
 from indices_test import FAILING
 from netcdf_test import GRID, LONG
 from slow_sweep import FAST, SLOW, STEPPING, STEPS, Sweep, undisturbed
@@ -23,7 +23,6 @@ SLOWER = SLOW.replace(STEPS, MANY)
 
 
 def ranked(spin, *words, ranks=3, code=0):
-    """Run the program under ranks of one thread each."""
     return spin.call(*words, command=under(ranks), environment=MPI, code=code)
 
 
@@ -59,38 +58,33 @@ def writes(process):
 
 
 def axis(count, text=SLOW):
-    """A sweep with another number of cases."""
     return text.replace("count(1) = 1000", f"count(1) = {count}")
 
 
 def as_netcdf(text):
-    """An input whose table is NetCDF."""
     return text.replace("&output", "&output format = 'netcdf', ")
 
 
-needs_netcdf = pytest.mark.skipif(netcdf_is_missing() != "", reason="no NetCDF")
 TILTS = "200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
 
 
-@pytest.mark.parametrize(
-    ("text", "cases", "code"),
-    [
-        # Blocks of many cases that cost little, and of few.
-        (axis(40001, FAST), 40001, 0),
-        (axis(20001).replace(STEPS, "steps = 10"), 20001, 0),
-        # ARKODE is set up by each rank for itself, though SUNDIALS may have MPI in it.
-        (axis(301).replace(STEPPING, "formulation = 'lagrange', method = 'arkode_erk'"), 301, 0),
-        # Some ranks find nothing to do.
-        (axis(3, FAST), 3, 0),
-        # The exit code of failing cases is that of the run.
-        (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
-        # Statistics, with rows and without, and indices; NetCDF.
-        (MAP, 800, (0, 3)),
-        (BARE, 0, (0, 3)),
-        (FAILING, 400, (0, 3)),
-        pytest.param(as_netcdf(GRID), 0, 3, marks=needs_netcdf),
-        pytest.param(as_netcdf(LONG), 0, 0, marks=needs_netcdf),
-    ],
+@each(
+    "text, cases, code",
+    # Blocks of many cases that cost little, and of few.
+    (axis(40001, FAST), 40001, 0),
+    (axis(20001).replace(STEPS, "steps = 10"), 20001, 0),
+    # ARKODE is set up by each rank for itself, though SUNDIALS may have MPI in it.
+    (axis(301).replace(STEPPING, "formulation = 'lagrange', method = 'arkode_erk'"), 301, 0),
+    # Some ranks find nothing to do.
+    (axis(3, FAST), 3, 0),
+    # The exit code of failing cases is that of the run.
+    (axis(TILTS).replace("theta_deg = 20", "").replace(STEPS, "steps = 10"), 1000, 3),
+    # Statistics, with rows and without, and indices; NetCDF.
+    (MAP, 800, (0, 3)),
+    (BARE, 0, (0, 3)),
+    (FAILING, 400, (0, 3)),
+    pytest.param(as_netcdf(GRID), 0, 3, marks=needs_netcdf),
+    pytest.param(as_netcdf(LONG), 0, 0, marks=needs_netcdf),
 )
 def test_same_bytes(spin, text, cases, code):
     """The tables of any ranks and threads are that of the program without MPI."""
@@ -123,7 +117,6 @@ def test_several_inputs_and_parts(spin, slow):
 
 
 def test_under_slurm(spin, slow):
-    """The script, with stand-ins for sbatch and srun."""
     (spin.folder / "bin").mkdir()
     for name, body in (
         ("sbatch", 'until [[ $1 = */slurm_sweep.sh ]]; do shift; done; "$@" >log 2>&1; echo 17'),
@@ -139,7 +132,7 @@ def test_under_slurm(spin, slow):
     slow.check()
 
 
-@pytest.mark.parametrize("kill_writer", [True, False])
+@each("kill_writer", True, False)
 def test_a_rank_is_killed(spin, slow, kill_writer):
     """All end; what is journalled is taken over, with ranks or without, to the same bytes."""
     with slow.start() as run:
@@ -181,9 +174,10 @@ def test_a_disk_that_fills_up(spin, slow, disk):
     slow.check("disk")
 
 
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [(["bad.nml"], r"(?m)^1 error$"), (["slow.nml", "--thread", "1"], "unknown option")],
+@each(
+    "words, said",
+    (["bad.nml"], r"(?m)^1 error$"),
+    (["slow.nml", "--thread", "1"], "unknown option"),
 )
 def test_wrong_input_and_usage(spin, slow, words, said):
     """An error has one message, with the same exit code as without MPI; nothing is computed."""
@@ -195,21 +189,17 @@ def test_wrong_input_and_usage(spin, slow, words, said):
 
 
 def test_a_file_where_the_folder_should_be(spin, slow):
-    """The message comes once, too."""
     spin.write("", "output")
     assert slow(code=4).count("cannot make folder output") == 1
 
 
-@pytest.mark.parametrize("words", [["--help"], ["list", "methods"], ["--check", "scene.nml"]])
+@each("words", ["--help"], ["list", "methods"], ["--check", "scene.nml"])
 def test_what_one_process_does(spin, words):
-    """Help, lists and checks come once."""
     spin.write(GOOD)
     assert ranked(spin, *words).out == spin.call(*words).out
 
 
-@pytest.mark.parametrize(
-    ("scene", "reason"), [("missing.nml", "missing.nml"), ("other.nml", "rank 1: mass = 2")]
-)
+@each("scene, reason", ("missing.nml", "missing.nml"), ("other.nml", "rank 1: mass = 2"))
 def test_ranks_that_are_not_alike(spin, slow, scene, reason):
     """Another input at one rank, or none: the error of that rank is everybody's."""
     spin.write(SLOW.replace("mass = 1.0", "mass = 2.0"), "other.nml")

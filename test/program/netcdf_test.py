@@ -1,18 +1,17 @@
 """NetCDF tables: the numbers of the CSV, bit for bit, by the conventions of CF."""
 
-import random
 import re
 import signal
 import struct
 
 import pytest
 
-from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
+from conftest import GOOD, each, files_of, merge, needs_netcdf, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.table import TableError, read_netcdf, read_table
 
-pytestmark = pytest.mark.skipif(netcdf_is_missing() != "", reason=netcdf_is_missing() or "-")
+pytestmark = needs_netcdf
 
 NETCDF = "output.format=netcdf"
 # Cases of every kind: a top, one with a pole on its way, one that is none; and words and notes.
@@ -48,12 +47,10 @@ needs_packed = pytest.mark.skipif(netcdf_is_missing(PACKED) != "", reason="no Ne
 
 
 def bits(values):
-    """The bytes of numbers; every NaN has the same."""
     return [b"nan" if value != value else struct.pack(">d", value) for value in map(float, values)]
 
 
 def sweep(spin, given, *words, **options):
-    """Run an input to a NetCDF table."""
     return spin(given, NETCDF, *words, **options).path.with_suffix(".nc")
 
 
@@ -70,7 +67,7 @@ def check_cells(csv, path):
     return netcdf
 
 
-@pytest.mark.parametrize(("text", "code"), [(GRID, 3), (LONG, 0), (DRAWN, 0)])
+@each("text, code", (GRID, 3), (LONG, 0), (DRAWN, 0))
 def test_same_numbers_as_the_csv(spin, text, code):
     """In every cell, of good and bad cases; head and units are the same, too."""
     run = spin(text, code=code)
@@ -92,20 +89,17 @@ def test_same_numbers_as_the_csv(spin, text, code):
         assert scatter.refusal(netcdf) == scatter.refusal(csv) == ""
 
 
-@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+@each("packed", [], pytest.param([PACKED], marks=needs_packed))
 def test_long_table(spin, packed):
     """Rows gathered and written in several goes; the same bytes for any number of threads."""
     tables = {sweep(spin, LONG, *packed, f"--threads={n}").read_bytes() for n in (1, 2, 5)}
     assert len(tables) == 1
-    for part in ("1/2", "2/2"):
-        sweep(spin, LONG, *packed, f"--shard={part}")
-    merge(spin, "output/merged.nc", *(f"output/scene.{i}-of-2.nc" for i in (1, 2)))
+    merge(spin, "output/merged.nc", *spin.parts(LONG, 2, NETCDF, *packed, ending="nc"))
     assert {(spin.folder / "output/merged.nc").read_bytes()} == tables
     assert not [name for name in spin.produced() if re.search(r"\.(part|journal)$", name)]
 
 
 def test_conventions(spin):
-    """The grid, the coordinates, the attributes that CF asks for, the origin."""
     path = sweep(spin, GRID, code=3)
     attributes, variables = read_netcdf(path)
     assert attributes["Conventions"] == "CF-1.8"
@@ -145,17 +139,14 @@ def test_notes(spin):
 
 
 def test_refusals(spin):
-    """An impossible NetCDF table is an input error with a hint."""
     stability = "&study kind = 'stability' /\n&stability cases = 'sleeping_above' /\n"
     said = spin.refuse(stability, NETCDF)
     assert "the table of a stability study cannot be NetCDF" in said
     assert "set output.format = 'csv'" in said
+    few = "output.compression=4"
     for settings, reason in (
-        (["output.compression=4"], "only a NetCDF table can be compressed"),
-        (
-            [NETCDF, "output.rows=none", "output.compression=4", "statistics.columns=theta_min"],
-            "there are no rows to compress",
-        ),
+        ([few], "only a NetCDF table can be compressed"),
+        (["output.rows=none", "statistics.columns=theta_min", NETCDF, few], "no rows to compress"),
         ([NETCDF, "output.compression=10"], "must be in [0, 9]"),
     ):
         assert reason in spin.refuse(GRID, *settings)
@@ -171,23 +162,16 @@ def test_places_that_cannot_be_written(spin):
     assert "grid.nc.part" in spin(GRID, NETCDF, name="grid", code=4).stderr
 
 
-def parts_of(spin, text, count, code=(0, 3), name="grid"):
-    """Compute all parts; their tables."""
-    for number in range(1, count + 1):
-        sweep(spin, text, f"--shard={number}/{count}", code=code, name=name)
-    return [f"output/{name}.{i}-of-{count}.nc" for i in range(1, count + 1)]
-
-
 GATHERED = LONG + "&statistics columns = 'delta_u', over = 'initial.psi_rate', bins = 5 /\n"
 SMALL = GRID.replace("count(3) = 7", "count(3) = 1")
+OF_GRID = {"ending": "nc", "code": (0, 3), "name": "grid"}
 
 
-@pytest.mark.parametrize(("text", "count"), [(GRID, 3), (SMALL, 13), (GATHERED, 2)])
+@each("text, count", (GRID, 3), (SMALL, 13), (GATHERED, 2))
 def test_merged_parts_are_the_whole(spin, text, count):
     """Byte for byte, in any order of the parts, also if there are more of them than cases."""
-    parts = parts_of(spin, text, count)
-    random.shuffle(parts)
-    merge(spin, "output/merged.nc", *parts)
+    parts = spin.parts(text, count, NETCDF, **OF_GRID)
+    merge(spin, "output/merged.nc", *parts[1::2], *parts[::2])
     whole = sweep(spin, text, name="grid", code=(0, 3))
     for ending in (".nc", ".statistics.nc")[: 2 if text == GATHERED else 1]:
         merged = whole.with_name(f"merged{ending}").read_bytes()
@@ -210,8 +194,9 @@ def test_a_part_is_a_table_of_its_cases(spin):
 
 def test_foreign_parts_are_refused(spin):
     """A part of another sweep, of another format, one that is missing, or twice there."""
-    parts = parts_of(spin, GRID, 2)
-    others = parts_of(spin, GRID.replace("psi_rate = 3", "psi_rate = 4"), 2, name="other")
+    parts = spin.parts(GRID, 2, NETCDF, **OF_GRID)
+    another = GRID.replace("psi_rate = 3", "psi_rate = 4")
+    others = spin.parts(another, 2, NETCDF, **OF_GRID | {"name": "other"})
     spin(GRID, "--shard=2/2", code=3, name="grid")
     sweep(spin, GRID, code=3, name="grid")
     for tables, reason in (
@@ -232,7 +217,7 @@ def slow(spin):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("packed", [[], pytest.param([PACKED], marks=needs_packed)])
+@each("packed", [], pytest.param([PACKED], marks=needs_packed))
 def test_killed_while_the_file_is_made(spin, packed):
     """The rows are there, and the next run makes the file of them, whatever is left of it."""
     whole = sweep(spin, LONG, *packed, "--output=whole").read_bytes()
@@ -276,7 +261,6 @@ def test_strangers_and_damage_are_refused(spin, slow):
 
 @pytest.mark.slow
 def test_a_signal_keeps_what_is_there(slow):
-    """And says so."""
     code, said = slow.interrupt(by=signal.SIGTERM)
     assert code == -signal.SIGTERM
     assert f"interrupted: {slow.rows} of 1000 rows of output/slow.nc are kept" in said
@@ -295,7 +279,6 @@ def test_same_cells(spin):
 
 
 def test_units(spin):
-    """Columns in other units than their own: the table is read as a CSV table."""
     columns = "'theta_max_deg', 'precession_rate_deg', 'precession_rate_rev'"
     few = LONG.replace("'delta_u', 'phi_end'", f"{columns}, 'phi_end_deg__top.gravity'")
     few = few.replace("331", "3").replace("421", "2")
@@ -305,7 +288,6 @@ def test_units(spin):
 
 
 def both(spin, text, *words, code=0):
-    """A trajectory in both formats, with the same numbers, classic and packed."""
     run = spin(text, *words, code=code)
     csv = read_table(run.path)
     for packed in ([], *([] if netcdf_is_missing(PACKED) else [[PACKED]])):
@@ -347,7 +329,6 @@ def test_motions_that_end_early(spin):
 
 
 def test_a_killed_motion_leaves_no_table(spin):
-    """A file that was cut short is reported by those who read it."""
     long = GOOD.replace("steps = 10", "steps = 20000000, max_steps = 2000000000")
     part = spin.folder / "output/scene.nc.part"
     with spin.start(spin.write(long), f"--set={NETCDF}") as run:

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 BODY = """\
 &top mass = 2  inertia_tensor(1,:) = 0.7, 0.12, -0.1  inertia_tensor(2,2:3) = 0.9, 0.15
@@ -29,14 +29,11 @@ OBLIQUE = """\
 &integration relative_tolerance = 1e-12 /
 """
 # Tops in closed form about body x, about body y below the pivot, about none of the body axes.
+OLD = "0.9, 0.5, 0.9  centre_of_mass = 0, 0.4, 0  damping = 3*0.01"
+SLANTED = OBLIQUE.replace("1, 0, 1 /", "1, 0.3, 1 /")
 ABOUT_OTHER_AXES = [
-    OBLIQUE.replace("0.9, 0.5, 0.9  centre_of_mass = 0, 0.4, 0  damping = 3*0.01", moments).replace(
-        "1, 0, 1 /", "1, 0.3, 1 /"
-    )
-    for moments in (
-        "0.25, 0.9, 0.9  centre_of_mass = 0.8, 0, 0",
-        "0.9, 0.25, 0.9  centre_of_mass = 0, -0.8, 0",
-    )
+    SLANTED.replace(OLD, moments.replace("at", "centre_of_mass ="))
+    for moments in ("0.25, 0.9, 0.9  at 0.8, 0, 0", "0.9, 0.25, 0.9  at 0, -0.8, 0")
 ]
 ABOUT_OTHER_AXES += [
     BODY[: BODY.index("mass = 2")]
@@ -47,14 +44,16 @@ ABOUT_OTHER_AXES += [
 
 
 def one(spin, text, *columns):
-    """The row of a sweep of one case."""
     (row,) = spin(text + output(*columns)).rows.itertuples()
     return row
 
 
-@pytest.mark.parametrize(
-    ("body", "gravity"),
-    [(BODY, ""), (BODY, "gravity = 0"), (OBLIQUE, ""), *((body, "") for body in ABOUT_OTHER_AXES)],
+@each(
+    "body, gravity",
+    (BODY, ""),
+    (BODY, "gravity = 0"),
+    (OBLIQUE, ""),
+    *((body, "") for body in ABOUT_OTHER_AXES),
 )
 def test_extremes(spin, body, gravity):
     """Each alone and all together, against many rows of the trajectory."""
@@ -72,7 +71,7 @@ def test_extremes(spin, body, gravity):
         assert found.phi_rate_max == pytest.approx(max(rows.phi_rate, key=abs), rel=1e-5)
 
 
-@pytest.mark.parametrize("body", ABOUT_OTHER_AXES)
+@each("body", *ABOUT_OTHER_AXES)
 def test_a_little_asymmetry_changes_little(spin, body):
     """With it there is no closed form, nor axis of symmetry: what a row says is of body z."""
     numbers = [*EXTREMES, "com_z_min", "force_max", "nutation_period", "theta_end"]
@@ -85,7 +84,7 @@ def test_a_little_asymmetry_changes_little(spin, body):
     np.testing.assert_allclose(first[numbers], second[numbers], rtol=1e-5, atol=1e-5)
 
 
-@pytest.mark.parametrize("axis", ["0.5, 0.9, 0.9", "0.9, 0.5, 0.9"])
+@each("axis", "0.5, 0.9, 0.9", "0.9, 0.5, 0.9")
 def test_free_body_about_another_axis(spin, axis):
     """The range of theta for all times does not depend on whether two moments are equal."""
     body = f"&top mass = 1  inertia = {axis}  length = 0 /\n"
@@ -97,7 +96,6 @@ def test_free_body_about_another_axis(spin, axis):
 
 
 def test_constants_of_a_free_body(spin):
-    """They do not depend on what else is asked for."""
     sweep = BODY.format("gravity = 0", "") + SWEEP
     constants = ["momentum_period", "momentum_turn", "momentum_turn_geometric", "omega_max"]
     alone = spin(sweep + output(*constants)).rows[constants]
@@ -105,7 +103,7 @@ def test_constants_of_a_free_body(spin):
     assert alone.to_numpy() == pytest.approx(beside.to_numpy(), rel=1e-14)
 
 
-@pytest.mark.parametrize("latitude", [90, -90])
+@each("latitude", 90, -90)
 def test_class_in_a_frame_that_turns(spin, latitude):
     """That of the motion as seen from outside would be another one."""
     text = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
@@ -116,11 +114,9 @@ def test_class_in_a_frame_that_turns(spin, latitude):
     assert found.notes.startswith("no class") or found.motion_class == "cusp"
 
 
-@pytest.mark.parametrize("frame", [0.1, 6])
-@pytest.mark.parametrize(
-    "start", ["theta_rate = 0.5  phi_rate = 1", "phi_rate = 0", "phi_rate = 5"]
-)
-@pytest.mark.parametrize("psi_rate", [-10, 3])
+@each("frame", 0.1, 6)
+@each("start", "theta_rate = 0.5  phi_rate = 1", "phi_rate = 0", "phi_rate = 5")
+@each("psi_rate", -10, 3)
 def test_precession_in_a_frame_that_turns(spin, frame, start, psi_rate):
     """The rate of either turning point, or one in between, is the largest relative to the frame."""
     body = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
@@ -131,8 +127,8 @@ def test_precession_in_a_frame_that_turns(spin, frame, start, psi_rate):
     assert found == pytest.approx(max(rows.phi_rate, key=abs), rel=1e-4)
 
 
-@pytest.mark.parametrize("end", [1.2, 2, 12])
-@pytest.mark.parametrize("across", ["0", "1e-12", "1e-8", "1e-7"])
+@each("end", 1.2, 2, 12)
+@each("across", "0", "1e-12", "1e-8", "1e-7")
 def test_swing_over_poles(spin, end, across):
     """The nutation rate is largest where the body hangs, in a pole: by the energy."""
     text = "&top mass = 1  inertia = 0.9, 0.8, 0.25  length = 0.3 /\n"
@@ -142,8 +138,8 @@ def test_swing_over_poles(spin, end, across):
     assert found == pytest.approx(largest, abs=1e-6 + 3 * float(across))
 
 
-@pytest.mark.parametrize("method", ["taylor", "dop853"])
-@pytest.mark.parametrize("psi", [0, 45, 100])
+@each("method", "taylor", "dop853")
+@each("psi", 0, 45, 100)
 def test_nutation_rate_from_a_pole(spin, psi, method):
     """That of the start, which is largest here: sin(180 deg) is not zero to a computer."""
     text = "&top mass = 1  inertia = 0.5, 0.7, 0.9  length = 0.8  damping = 0.05, 0.02, 0.01 /\n"
@@ -153,7 +149,7 @@ def test_nutation_rate_from_a_pole(spin, psi, method):
     assert found == pytest.approx(3, rel=1e-9)
 
 
-@pytest.mark.parametrize(("rate", "kind"), [(1, "libration"), (6, "circulation")])
+@each("rate, kind", (1, "libration"), (6, "circulation"))
 def test_class_of_a_swing(spin, rate, kind):
     """A plane motion does not precess, whatever rounding does near the poles."""
     text = "&top mass = 1  inertia = 0.9, 0.8, 0.25  length = 0.3 /\n"
@@ -163,7 +159,6 @@ def test_class_of_a_swing(spin, rate, kind):
 
 
 def test_force_on_a_balanced_body(spin):
-    """It is the weight, all the time."""
     text = "&top mass = 2  inertia = 0.7, 0.9, 0.6  length = 0 /\n"
     text += f"&initial theta = 1  omega = 1, 2, 3 /\n{SPAN}"
     found = one(spin, text + SWEEP, "force_max", "force_z_min", "force_z_max")
@@ -182,7 +177,7 @@ def test_a_slow_sleeping_top(spin):
     assert math.isnan(found.spin_per_nutation)
 
 
-@pytest.mark.parametrize("columns", [[], ["motion_class"]])
+@each("columns", [], ["motion_class"])
 def test_precession_of_a_free_top(spin, columns):
     """The axis circles the momentum, and with it the vertical or not: whole turns."""
     text = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0 /\n"

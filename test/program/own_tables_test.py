@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from conftest import quoted
+from conftest import each, quoted
 
 TOP = (
     "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.866 /\n"
@@ -48,7 +48,6 @@ FIXED = TOP + "&integration method = 'table:own.txt', steps = 9 /\n"
 
 
 def test_orders(spin):
-    """Each kind of table has its order, or its tolerance."""
     tables = {"eighths": EIGHTHS, "pair": PAIR, "diagonal": DIAGONAL}
     for name, text in tables.items():
         spin.write(text, f"{name}.txt")
@@ -66,7 +65,6 @@ def test_orders(spin):
 
 
 def test_a_sweep_and_a_changed_table(spin):
-    """The resolved input computes the same again, and refuses another table."""
     spin.write(EIGHTHS, "own.txt")
     text = TOP + "&study kind = 'sweep' /\n&output columns = 'theta_end' /\n"
     text += "&integration method = 'table:own.txt', steps = 500 /\n"
@@ -80,22 +78,19 @@ def test_a_sweep_and_a_changed_table(spin):
     assert "the table of coefficients has changed" in spin(head, code=2).stderr
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "message"),
-    [
-        ("-1/3  1", "-1/2  1", "own.txt, line 5: the coefficients of stage 3 add up to 0.5"),
-        ("order 4", "order 5", "own.txt, line 2: the method does not have order 5"),
-        ("1 -1  1", "1 -x  1", "own.txt, line 6: '-x' is not a number"),
-        ("1/8 3/8 3/8", "3/8 3/8", "own.txt, line 7: this row has 3 weights"),
-        ("order 4\n", "", "own.txt, there is no order"),
-        ("order 4", "order 4 3", "own.txt, an embedded method has a second row"),
-        (EIGHTHS, "hello\n", "own.txt, line 1: this is neither"),
-        (EIGHTHS, PAIR.replace("3 2", "3 3"), "1: the embedded method does not have order 3"),
-        (EIGHTHS, RADAU, "own.txt, line 2: stage 1 depends on a later one"),
-    ],
+@each(
+    "old, new, message",
+    ("-1/3  1", "-1/2  1", "own.txt, line 5: the coefficients of stage 3 add up to 0.5"),
+    ("order 4", "order 5", "own.txt, line 2: the method does not have order 5"),
+    ("1 -1  1", "1 -x  1", "own.txt, line 6: '-x' is not a number"),
+    ("1/8 3/8 3/8", "3/8 3/8", "own.txt, line 7: this row has 3 weights"),
+    ("order 4\n", "", "own.txt, there is no order"),
+    ("order 4", "order 4 3", "own.txt, an embedded method has a second row"),
+    (EIGHTHS, "hello\n", "own.txt, line 1: this is neither"),
+    (EIGHTHS, PAIR.replace("3 2", "3 3"), "1: the embedded method does not have order 3"),
+    (EIGHTHS, RADAU, "own.txt, line 2: stage 1 depends on a later one"),
 )
 def test_wrong_tables(spin, old, new, message):
-    """The message names the file, the line and what is wrong."""
     spin.write(EIGHTHS.replace(old, new), "own.txt")
     assert message in spin.refuse(FIXED)
 

@@ -8,7 +8,7 @@ import math
 
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 BODY = "&top mass = 1  inertia = 1, 2, 3  length = {} /\n"
 SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:) = {} /\n"
@@ -17,14 +17,13 @@ RUBBING = "&effects friction_torque = 0.1 /\n"
 
 
 def extreme(spin, scene, span, column, control=""):
-    """The extreme of a motion by a sweep of one case."""
     control = f"&integration max_steps = {WORK} {control} /\n"
     rows = spin(scene + SWEEP.format(span) + control + output(column)).rows
     assert list(rows.status) == ["ok"]
     return rows[column][0]
 
 
-@pytest.mark.parametrize("effect", ["", RUBBING])
+@each("effect", "", RUBBING)
 def test_start_in_a_pole(spin, effect):
     """The precession rate near the start is that of rows, with friction and without."""
     heavy = BODY.format(1) + effect + "&initial theta = 0  omega = 1, 0.3, 5 /\n"
@@ -38,9 +37,9 @@ def test_start_in_a_pole(spin, effect):
 EARTH = "&effects earth_rate = 0.5 latitude = 0.7 /\n"
 
 
-@pytest.mark.parametrize("pole", [0, math.pi])
-@pytest.mark.parametrize(("length", "effect"), [(0, ""), (0.3, ""), (0.3, RUBBING), (0.3, EARTH)])
-@pytest.mark.parametrize("share", [0.01, 0.1, 0.4])
+@each("pole", 0, math.pi)
+@each("length, effect", (0, ""), (0.3, ""), (0.3, RUBBING), (0.3, EARTH))
+@each("share", 0.01, 0.1, 0.4)
 def test_short_motions_from_a_pole(spin, pole, length, effect, share):
     """Where the precession slows down, the largest rate is the limit in the pole."""
     body = BODY.format(length) + effect
@@ -53,9 +52,9 @@ def test_short_motions_from_a_pole(spin, pole, length, effect, share):
         assert found / known == pytest.approx(1, abs=2e-3), method
 
 
-@pytest.mark.parametrize(("omega", "psi"), [("1.5, 0, 0", 0), ("0, 1.5, 0", 90)])
-@pytest.mark.parametrize("method", ["", "method = 'taylor'", "method = 'dop853'"])
-@pytest.mark.parametrize("theta", [0.5, 0.5 * math.pi, math.pi])
+@each("omega, psi", ("1.5, 0, 0", 0), ("0, 1.5, 0", 90))
+@each("method", "", "method = 'taylor'", "method = 'dop853'")
+@each("theta", 0.5, 0.5 * math.pi, math.pi)
 def test_free_rotation_through_the_poles(spin, omega, psi, method, theta):
     """About a horizontal principal axis theta turns with omega."""
     start = f"&initial theta = {theta!r}  psi_deg = {psi}  omega = {omega} /\n"

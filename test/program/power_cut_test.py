@@ -15,20 +15,14 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, GOOD, netcdf_is_missing
+from conftest import EXE, GOOD, netcdf_is_missing, output
 from faults_test import FAULTS
+from slow_sweep import SLOW, STEPS
 
 pytestmark = pytest.mark.slow
 
-SWEEP = """\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 0.1 /
-&integration formulation = 'lagrange', method = 'rk4', steps = 4 /
-&output columns = 'theta_end', 'phi_end' /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 320 /
-"""
+SWEEP = SLOW.replace("= 2 /", "= 0.1 /").replace(STEPS, "steps = 4").replace("= 1000", "= 320")
+SWEEP += output("theta_end", "phi_end")
 
 
 @dataclass
@@ -62,7 +56,6 @@ class Disk:
     """The files below a folder: what is safe from a power cut, and what is not."""
 
     def __init__(self, root: Path) -> None:
-        """The present contents are safe."""
         self.root = root
         self.names: dict[str, Node | None] = {}  # what a reader finds; None is a folder
         for path in sorted(root.rglob("*")):
@@ -76,12 +69,10 @@ class Disk:
         return os.path.relpath(self.root / path, self.root)
 
     def change(self, *change: str | Node | None) -> None:
-        """A change of names: ("put", name, node) or ("drop", name)."""
         self.recent.setdefault(os.path.dirname(change[1]) or ".", []).append(change)
         apply(self.names, change)
 
     def do(self, record: tuple) -> None:
-        """The calls of the program."""
         match record:
             case ("open", file, cuts, path):
                 name = self.name_of(path)
@@ -101,16 +92,14 @@ class Disk:
             case ("sync", file):
                 self.sync(self.open[file])
             case ("rename", old, new):
-                self.change(
-                    "move", self.name_of(new), self.names[self.name_of(old)], self.name_of(old)
-                )
+                old = self.name_of(old)
+                self.change("move", self.name_of(new), self.names[old], old)
             case ("unlink", path):
                 self.change("drop", self.name_of(path))
             case ("mkdir", path):
                 self.change("put", self.name_of(path), None)
 
     def sync(self, what: Node | str) -> None:
-        """A file or a folder is safe."""
         if isinstance(what, Node):
             what.safe, what.recent = what.content(), []
             return
@@ -134,7 +123,6 @@ class Disk:
 
 
 def apply(names: dict[str, Node | None], change: tuple) -> None:
-    """Carry out a change of names."""
     if change[0] == "drop":
         names.pop(change[1], None)
         return
@@ -144,7 +132,6 @@ def apply(names: dict[str, Node | None], change: tuple) -> None:
 
 
 def read_record(path: Path) -> Iterator[tuple]:
-    """The contents of a record, call by call."""
     data, at = path.read_bytes(), 0
     while at < len(data):
         end = data.index(b"\n", at)
@@ -177,13 +164,11 @@ def record(spin, preload):
 
 @pytest.fixture
 def sweep(spin):
-    """The sweep."""
     return spin.folder / spin.write(SWEEP, "sweep.nml")
 
 
 @pytest.fixture
 def reference(spin, sweep):
-    """The bytes of its table."""
     return spin(sweep, "--output=reference").path.read_bytes()
 
 
@@ -228,7 +213,6 @@ def test_rows_then_entry_then_name(spin, record, sweep, reference):
 
 
 def test_every_table_is_safe_before_its_name(spin, record, sweep, reference):
-    """Trajectories, their events, parts, merged tables, other studies, NetCDF."""
     run = spin.folder / "run"
     scene = spin.write(GOOD.replace("columns =", "events = 'turning_points', columns ="))
     stability = "&study kind = 'stability' /\n"
@@ -280,7 +264,6 @@ def test_no_fsync_can_be_left_out(spin, record, sweep):
 
 
 def lay_out(folder: Path, files: dict[str, bytes | None]) -> None:
-    """Make a folder with what was left."""
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
     for name, content in files.items():
@@ -291,7 +274,6 @@ def lay_out(folder: Path, files: dict[str, bytes | None]) -> None:
 
 
 def rows_of(journal: bytes | None) -> int:
-    """The rows that a journal has, if there is one."""
     words = (journal or b"rows: end:").decode().split()
     return sum(map(int, words[words.index("rows:") + 1 : words.index("end:")]))
 
@@ -339,7 +321,6 @@ def test_cut_at_every_call(spin, record, sweep, reference):
 
 
 def test_interrupted_calls_and_short_writes(spin, preload, sweep, reference):
-    """They are no errors."""
     environment = preload(FAULTS) | {"FAULT_INTERRUPTS": "1", "FAULT_TICK": "10000000"}
     spin.call(sweep, "--threads", "1", environment=environment)
     assert (spin.folder / "output/sweep.csv").read_bytes() == reference

@@ -2,20 +2,18 @@
 
 import math
 import re
-import subprocess
 from decimal import Decimal
 
 import pytest
 
-from conftest import EXE, ROOT, largest
+from conftest import EXE, ROOT, each, execute, largest
 from spintop_figures.tables.table import read_table
 
 MISSING = "this build has no FLINT, which certifies digits"
-CHECKED = subprocess.run(
-    [EXE, "--check", ROOT / "input/certified_top.nml"], capture_output=True, text=True, check=False
-)
+CHECKED = execute(EXE, "--check", ROOT / "input/certified_top.nml", code=(0, 2))
 HAS_FLINT = MISSING not in CHECKED.stderr
 needs_flint = pytest.mark.skipif(not HAS_FLINT, reason="this build has no FLINT")
+pytestmark = needs_flint
 
 TOP = """\
 &study kind = 'trajectory' /
@@ -44,24 +42,18 @@ DRIVEN = """\
 &effects {} /
 """
 THETA = {
-    "torque_body_amplitude = 0.5, 0, 0, torque_body_rate = 3, torque_body_phase = 0.2, 0, 0": [
-        "1.4207695665561021879170685783786",
-        "0.66880968277684820094092037723848",
-        "1.7237574518898200442376389811842",
-        "1.2102770445698153012416777933024",
-    ],
-    "torque_space_amplitude = 0.5, 0, 0, torque_space_rate = 3, torque_space_phase = 0.2, 0, 0": [
-        "0.84955648621729324336698038313323",
-        "1.332995943491202432464682744639",
-        "2.4122868350365031587388875350818",
-        "0.97940123911193994816379146162044",
-    ],
-    "earth_rate = 0.5, latitude = 0.7": [
-        "1.5903865329024774509526303542972",
-        "0.77334516002839887602228234456574",
-        "2.6203621110271417789874276585952",
-        "1.8453306295930141701847082144132",
-    ],
+    "torque_body_amplitude = 0.5, 0, 0, torque_body_rate = 3, torque_body_phase = 0.2, 0, 0": (
+        "1.4207695665561021879170685783786 0.66880968277684820094092037723848"
+        " 1.7237574518898200442376389811842 1.2102770445698153012416777933024"
+    ),
+    "torque_space_amplitude = 0.5, 0, 0, torque_space_rate = 3, torque_space_phase = 0.2, 0, 0": (
+        "0.84955648621729324336698038313323 1.332995943491202432464682744639"
+        " 2.4122868350365031587388875350818 0.97940123911193994816379146162044"
+    ),
+    "earth_rate = 0.5, latitude = 0.7": (
+        "1.5903865329024774509526303542972 0.77334516002839887602228234456574"
+        " 2.6203621110271417789874276585952 1.8453306295930141701847082144132"
+    ),
 }
 # A body that turns about its axis under 0.5 cos(3 t + 1): omega3 + 0.5 (sin(4) - sin(1))/(3 I3).
 AXIAL = """\
@@ -85,24 +77,11 @@ FRICTION = """\
 CERTIFIED = "output.certified=.true."
 
 
-@pytest.mark.skipif(HAS_FLINT, reason="this build has FLINT")
-def test_missing(spin):
-    """A build without FLINT names what is missing, and computes everything else."""
-    error = spin.refuse(TOP, "--check", f"output.columns={BOUNDS}")
-    assert f"column 'theta_bound': {MISSING}" in error
-    assert "SPINTOP_FLINT=1 scripts/run" in error
-    assert MISSING in spin.refuse(TOP, "--check", CERTIFIED)
-    spin(TOP)
-    assert MISSING in spin.call("verify", "output/scene.csv", code=2).stderr
-
-
 def verify(spin, *words, code=0):
-    """The result of `spintop verify` on the table."""
     return spin.call("verify", "output/scene.csv", *words, code=code).out
 
 
 def change(spin, name, row, text):
-    """Put another text in a cell of the table."""
     path = spin.folder / "output/scene.csv"
     lines = path.read_text().splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if not line.startswith("#"))
@@ -120,21 +99,17 @@ def bounds_hold(run, name, true):
         assert error <= Decimal(float(bound))
 
 
-@needs_flint
-@pytest.mark.parametrize("setting", [CERTIFIED, "integration.method=taylor_quadruple"])
-@pytest.mark.parametrize("effects", THETA)
+@each("setting", CERTIFIED, "integration.method=taylor_quadruple")
+@each("effects", *THETA)
 def test_phases_and_latitudes_are_data(spin, effects, setting):
     """Their sines and cosines are not rounded before the proof."""
-    bounds_hold(spin(DRIVEN.format(effects), setting), "theta", THETA[effects])
+    bounds_hold(spin(DRIVEN.format(effects), setting), "theta", THETA[effects].split())
 
 
-@needs_flint
 def test_phases_about_an_axis(spin):
-    """The same of a spin that has a closed form."""
     bounds_hold(spin(AXIAL, CERTIFIED), "omega3", [OMEGA3])
 
 
-@needs_flint
 def test_friction_by_a_table_is_not_enclosed(spin):
     """A motion that it slows down is not certified as one that it does not."""
     table = "omega3,friction_torque\n0,0\n50,0.01\n200,0.05\n"
@@ -152,9 +127,7 @@ def test_friction_by_a_table_is_not_enclosed(spin):
     assert list(spin(sweep).rows.proof) == ["unproved"] * 2
 
 
-@needs_flint
 def test_bounds_of_the_exact_solution(spin):
-    """They are of rounding errors."""
     run = spin(TOP, f"output.columns={BOUNDS}")
     assert set(run.rows.proof) == {"proved"}
     for name in ("theta_bound", "phi_bound", "psi_bound", "q0_bound", "orientation_bound"):
@@ -162,9 +135,7 @@ def test_bounds_of_the_exact_solution(spin):
     assert set(read_table(run.path).rows["proof"]) == {"proved"}  # as figures see it
 
 
-@needs_flint
 def test_bounds_of_a_method(spin):
-    """The bound of the attitude is the error that the exact solution finds."""
     columns = "output.columns=t,orientation_error,orientation_bound,proof"
     rows = spin(TOP, "integration.method=dop853", columns).rows
     assert set(rows.proof) == {"proved"}
@@ -172,9 +143,7 @@ def test_bounds_of_a_method(spin):
     assert list(rows.orientation_error) == pytest.approx(list(rows.orientation_bound), abs=1e-14)
 
 
-@needs_flint
 def test_certified_numbers(spin):
-    """The numbers of a method become those of the exact motion, whatever the method."""
     names = ("theta", "phi", "q0", "omega1", "omega2")
     setting = f"output.columns=t,{','.join(f'{name},{name}_bound' for name in names)},proof"
     run = spin(TOP, setting, CERTIFIED)
@@ -187,7 +156,6 @@ def test_certified_numbers(spin):
     assert "0 unproved, 0 wrong" in verify(spin, "--strict")
 
 
-@needs_flint
 def test_uncertainty(spin):
     """Radii of the data widen the bounds, about in proportion while they are small."""
     columns = "output.columns=t,theta,theta_bound,orientation_bound,proof"
@@ -208,28 +176,16 @@ ANY = ("top.inertia=0.875,0.8,0.25", "top.damping=0.01,0.01,0.005")
 UNCERTAIN = (*ANY, "output.columns=t,q0,orientation_bound,omega1_bound,proof")
 
 
-@needs_flint
-@pytest.mark.parametrize(
-    "radius",
-    [
-        "top.damping=1e-9,1e-9,1e-9",
-        "top.inertia=1e-9,1e-9,1e-9",
-        "initial.phi=1e-9",
-        "top.length=1e-9",
-        "initial.psi_rate=1e-9",
-    ],
-)
-def test_uncertainty_of_any_body(spin, radius):
-    """Radii of a damped body widen its bounds."""
+def test_uncertainty_of_any_body(spin):
     exact = spin(TOP, *UNCERTAIN).rows.orientation_bound.max()
-    rows = spin(TOP, *UNCERTAIN, f"uncertainty.{radius}").rows
-    assert set(rows.proof) == {"proved"}
-    assert exact + 1e-10 < largest(rows.orientation_bound) < 1e-6
+    for key in ("top.damping", "top.inertia", "initial.phi", "top.length", "initial.psi_rate"):
+        radius = ",".join(["1e-9"] * (3 if key in ("top.damping", "top.inertia") else 1))
+        rows = spin(TOP, *UNCERTAIN, f"uncertainty.{key}={radius}").rows
+        assert set(rows.proof) == {"proved"}
+        assert exact + 1e-10 < largest(rows.orientation_bound) < 1e-6
 
 
-@needs_flint
 def test_lost_bounds(spin):
-    """Where they are lost, the summary says when."""
     said = spin(TOP, *UNCERTAIN, "uncertainty.top.length=1e-4", "span.t_end=60").out
     assert re.search(r"unproved \(.*\), the first at t = [1-9]", said)
 
@@ -237,34 +193,27 @@ def test_lost_bounds(spin):
 Q0 = "output.columns=t,q0_bound"
 
 
-@needs_flint
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        (["uncertainty.top.length=1e-9"], "the table has no bounds"),
-        (["uncertainty.top.length=1e-9", CERTIFIED], "no certified digits"),
-        (["uncertainty.initial.omega3=1", Q0], "omega3 is not given"),
-        (["uncertainty.top.spin=1", Q0], "unknown key"),
-        (["uncertainty.initial.omega=1,1,1", Q0], "omega is not given"),
-        (["uncertainty.top.centre_of_mass=1,1,1", Q0], "top.centre_of_mass is not given"),
-        (["uncertainty.top.mass=-1", Q0], "uncertainty.top.mass"),
-    ],
+@each(
+    "settings, words",
+    (["uncertainty.top.length=1e-9"], "the table has no bounds"),
+    (["uncertainty.top.length=1e-9", CERTIFIED], "no certified digits"),
+    (["uncertainty.initial.omega3=1", Q0], "omega3 is not given"),
+    (["uncertainty.top.spin=1", Q0], "unknown key"),
+    (["uncertainty.initial.omega=1,1,1", Q0], "omega is not given"),
+    (["uncertainty.top.centre_of_mass=1,1,1", Q0], "top.centre_of_mass is not given"),
+    (["uncertainty.top.mass=-1", Q0], "uncertainty.top.mass"),
 )
 def test_wrong_uncertainty(spin, settings, words):
-    """Radii of what has no bounds, or is not given."""
     assert words in spin.refuse(TOP, "--check", *settings)
 
 
-@needs_flint
 def test_unproved_rows_say_why(spin):
-    """In the summary; their bounds are infinite."""
     run = spin(TOP, "effects.drag_force=0.1", "output.columns=t,theta,theta_bound,proof")
     assert set(run.rows.proof) == {"unproved"}
     assert set(run.rows.theta_bound) == {math.inf}
     assert "7 unproved (dry friction, drag of the air and tables" in run.out
 
 
-@needs_flint
 def test_any_body(spin):
     """Certified digits are those of a series in quadruple precision from the same angles."""
     columns = f"output.columns={BOUNDS},phi,psi,omega1,omega1_bound"
@@ -283,7 +232,6 @@ def test_any_body(spin):
     assert "first wrong  row 3, psi" in verify(spin, code=3)
 
 
-@needs_flint
 def test_sweep(spin):
     """Bounds of the cases, whose bytes do not depend on threads."""
     run = spin(SWEEP)
@@ -298,23 +246,15 @@ def test_sweep(spin):
     assert "first wrong  row 3, theta_end = 0.7" in verify(spin, code=3)
 
 
-@needs_flint
-@pytest.mark.parametrize("name", ["nutation_period", "precession_per_nutation", "momentum_period"])
-def test_bounds_of_periods_are_refused(spin, name):
-    """Proofs are of a motion at a time; the message says so."""
-    error = spin.refuse(SWEEP, "--check", f"output.columns=theta_end,{name}_bound")
-    assert f"column '{name}_bound': proofs bound the attitude and the" in error
-    assert f"at a time, not {name}\n" in error
+def test_bounds_of_periods_and_energies_are_refused(spin):
+    """Proofs are of the attitude and the velocity at a time; the message says so."""
+    for name in ("nutation_period", "precession_per_nutation", "momentum_period", "energy"):
+        text, column = (TOP, "t") if name == "energy" else (SWEEP, "theta_end")
+        error = spin.refuse(text, "--check", f"output.columns={column},{name}_bound")
+        assert f"column '{name}_bound': proofs bound the attitude and the" in error
+        assert f"at a time, not {name}\n" in error
 
 
-@needs_flint
-def test_bounds_of_an_energy_are_refused(spin):
-    """It is a number of a time, but none that proofs bound."""
-    error = spin.refuse(TOP, "--check", "output.columns=t,energy_bound")
-    assert "at a time, not energy\n" in error
-
-
-@needs_flint
 def test_verify(spin):
     """A wrong digit is found; the exact solution needs no bounds beside its numbers."""
     theta = spin(TOP).texts.theta[4]
@@ -327,7 +267,6 @@ def test_verify(spin):
     assert f"first wrong  row 5, theta = {wrong}" in said
 
 
-@needs_flint
 def test_verify_without_claims(spin):
     """A method claims nothing: its numbers are unproved, but their errors are bounded."""
     spin(TOP, "integration.method=rk4", "integration.steps=60")
@@ -337,9 +276,7 @@ def test_verify_without_claims(spin):
     verify(spin, "--strict", code=3)
 
 
-@needs_flint
 def test_what_is_no_table(spin):
-    """An input, nothing, and an option that there is not."""
     spin.call("verify", spin.write(TOP), code=2)
     assert "verify takes a table" in spin.call("verify", code=2).stderr
     said = spin.call("verify", "--fast", "a.csv", code=2).stderr

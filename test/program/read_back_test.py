@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import read, wait_until
+from conftest import each, netcdf_is_missing, read, wait_until
 from spintop_figures.tables.table import read_table
 
 SEED = 20121
@@ -19,16 +19,10 @@ EPSILON = 2.0**-52
 # Every numeric key of a body in general, and between what its values are drawn.
 ANY_BODY = {
     "top.mass": (0.5, 2),
-    "top.inertia(1)": (0.8, 1.2),
-    "top.inertia(2)": (0.8, 1.2),
-    "top.inertia(3)": (0.5, 1.2),
-    "top.centre_of_mass(1)": (-0.1, 0.1),
-    "top.centre_of_mass(2)": (-0.1, 0.1),
-    "top.centre_of_mass(3)": (-0.5, 0.5),
+    **{f"top.inertia({i})": (low, 1.2) for i, low in ((1, 0.8), (2, 0.8), (3, 0.5))},
+    **{f"top.centre_of_mass({i})": (-x, x) for i, x in ((1, 0.1), (2, 0.1), (3, 0.5))},
     "top.gravity": (0, 20),
-    "top.damping(1)": (0, 0.1),
-    "top.damping(2)": (0, 0.1),
-    "top.damping(3)": (0, 0.1),
+    **{f"top.damping({i})": (0, 0.1) for i in (1, 2, 3)},
     "initial.phi": (-9, 9),
     "initial.theta": (0.1, 3),
     "initial.psi": (-9, 9),
@@ -69,7 +63,6 @@ AXES = ("initial.theta", "top.mass", "initial.omega3", "integration.max_steps")
 
 
 def spaced(first: float, last: float, count: int, logarithmic: bool) -> list[float]:
-    """The values of an axis."""
     parts = [k / max(1, count - 1) for k in range(count)]
     if logarithmic:
         values = [first * (last / first) ** part for part in parts]
@@ -82,25 +75,22 @@ def spaced(first: float, last: float, count: int, logarithmic: bool) -> list[flo
 def formats(spin):
     """The formats that the build has; a table of cases and its scene are there."""
     rows_of(spin, ["initial.theta"], [[1.0]])
-    check = spin.call("--check", spin.write(SCENE), "--set=output.format=netcdf", code=(0, 2))
-    return ["csv"] if "this build has no NetCDF" in check.stderr else ["csv", "netcdf"]
+    spin.write(SCENE)
+    return ["csv"] if netcdf_is_missing() else ["csv", "netcdf"]
 
 
 @pytest.fixture
 def draws():
-    """Draws that are those of each run."""
     return random.Random(SEED)
 
 
 def rows_of(spin, names: Sequence[str], rows: Sequence[Sequence[float]]) -> None:
-    """Write the table of cases."""
     quoted = [f'"{name}"' if "," in name else name for name in names]
     lines = [",".join(quoted), *(",".join(map(repr, row)) for row in rows)]
     spin.write("\n".join(lines) + "\n", "cases.csv")
 
 
 def draw(draws, spin, names: Sequence[str], cases: int) -> list[list[float]]:
-    """Values of parameters at random, which are the table of cases."""
     ends = ANY_BODY | ANY_TENSOR
     rows = [[draws.uniform(*ends[name]) for name in names] for _ in range(cases)]
     rows_of(spin, names, rows)
@@ -108,17 +98,12 @@ def draw(draws, spin, names: Sequence[str], cases: int) -> list[list[float]]:
 
 
 def sweep(spin, scene: str, *words: str, kind: str = "csv") -> Path:
-    """Run a sweep; every case must end well."""
     path = spin(scene, f"output.format={kind}", *words).path
     return path.with_suffix(f".{kind.replace('netcdf', 'nc')}")
 
 
 def merged(spin, scene: str, parts: int, *words: str) -> bytes:
-    """The table of parts that are merged."""
-    for i in range(1, parts + 1):
-        sweep(spin, scene, f"--shard={i}/{parts}", *words)
-    stem = Path(scene).stem
-    tables = [f"output/{stem}.{i}-of-{parts}.csv" for i in range(1, parts + 1)]
+    tables = spin.parts(scene, parts, "output.format=csv", *words)
     path = spin.call("merge", "merged.csv", *tables, path="merged.csv").path
     table = path.read_bytes()
     path.unlink()
@@ -134,7 +119,6 @@ def parameters(path: Path, names: Sequence[str]) -> list[list[float]]:
 
 
 def body(path: Path, skip: int) -> list[str]:
-    """The lines of a CSV table without its header and its first columns."""
     lines = path.read_text(encoding="utf-8").splitlines()
     return [line.split(",", skip)[-1] for line in lines if not line.startswith("#")]
 
@@ -145,7 +129,7 @@ TABLES = ((SCENE, list(ANY_BODY), CASES), (TENSOR, list(ANY_TENSOR), CASES))
 TABLES += ((SCENE, LAGRANGE_TOP, 600),)
 
 
-@pytest.mark.parametrize(("text", "known", "cases"), TABLES, ids=("any", "tensor", "closed form"))
+@each("text, known, cases", *TABLES, ids=("any", "tensor", "closed form"))
 def test_each_column_is_that_of_the_table(spin, formats, draws, text, known, cases):
     """In both formats, of one column to as many as there are, in any order of the columns."""
     scene = spin.write(text)
@@ -189,7 +173,6 @@ def test_parts_threads_and_what_was_resumed(spin, formats, draws):
 
 
 def test_resumed(spin, formats, draws):
-    """A long sweep that was killed on its way."""
     names = list(ANY_BODY)
     spans = names.index("span.t_end")
     rows = draw(draws, spin, names, 2000)
@@ -223,7 +206,6 @@ def values_of(draws, name: str, kind: str, count: int) -> tuple[list[float], str
 
 
 def scene_of(spin, combine: str, axes: Sequence[tuple[str, str]]) -> str:
-    """A scene with axes."""
     text = SCENE.replace("table = 'cases.csv' /", combine)
     for name, _ in axes:
         key = name.split(".")[1]
@@ -255,10 +237,9 @@ def check(
     assert merged(spin, scene, 2, "--threads=1") == tables["csv"].read_bytes()
 
 
-@pytest.mark.parametrize("axes", [1, 2, 3, 4])
-@pytest.mark.parametrize("combine", ["grid", "zip"])
+@each("axes", 1, 2, 3, 4)
+@each("combine", "grid", "zip")
 def test_grids_and_zips(spin, formats, draws, combine, axes):
-    """Each number of axes with each way to give their values."""
     kinds = ("values", "linear", "log")
     for turn in range(len(kinds)):
         given = []
@@ -272,8 +253,8 @@ def test_grids_and_zips(spin, formats, draws, combine, axes):
         check(spin, formats, scene, names, [list(case) for case in cases])
 
 
-@pytest.mark.parametrize("axes", [1, 2, 3, 4])
-@pytest.mark.parametrize("combine", ["random", "latin_hypercube"])
+@each("axes", 1, 2, 3, 4)
+@each("combine", "random", "latin_hypercube")
 def test_drawn_cases(spin, formats, draws, combine, axes):
     """Between their ends, each value as the quantities of its case have it."""
     names = draws.sample(AXES, axes)

@@ -4,13 +4,12 @@ import datetime
 import itertools
 import json
 import shutil
-import subprocess
 import sys
 
 import numpy as np
 import pytest
 
-from conftest import KIND, ROOT, largest
+from conftest import KIND, ROOT, each, execute, largest
 from mechanics import product
 from proof_test import CERTIFIED, change, needs_flint, verify
 
@@ -40,7 +39,6 @@ def slack_of(body):
 
 
 def stacked(columns, names):
-    """Columns side by side."""
     return np.stack([columns[name] for name in names], 1)
 
 
@@ -49,7 +47,6 @@ SPACE, MATRIX = ["omega_x", "omega_y", "omega_z"], [f"r{i}{j}" for i in "123" fo
 
 
 def test_files_agree():
-    """Each input has its motion."""
     for folder, ending in (("inputs", ".nml"), ("motions", ".json"), ("motions", ".csv")):
         found = sorted(path.stem for path in (REFERENCE / folder).glob(f"*{ending}"))
         assert found == NAMES
@@ -58,9 +55,8 @@ def test_files_agree():
     assert size < LARGEST
 
 
-@pytest.mark.parametrize("name", NAMES)
+@each("name", *NAMES)
 def test_files_of_a_motion_agree(name):
-    """Versions, licences, starts and rotations."""
     data, columns = read(name)
     assert (data["version"], data["licence"]) == (INDEX["version"], "CC0-1.0")
     assert list(columns) == list(data["columns"])
@@ -92,7 +88,7 @@ def test_numbers_are_true(spin):
 
 
 @needs_flint
-@pytest.mark.parametrize("name", ["free_tensor", "heavy_tensor", "grioli"])
+@each("name", "free_tensor", "heavy_tensor", "grioli")
 def test_products_of_inertia(spin, name):
     """Certified digits are those of the set, and `verify` finds what is not."""
     names = ["t", *Q, *OMEGA, "omega1_bound", "orientation_bound", "proof"]
@@ -150,24 +146,17 @@ def test_inherent_errors(spin):
 
 
 FREE = read("free_asymmetric")[1]
+DIRECTIONS = ("body to space", "space to body")
 T, ATTITUDE, BODY_RATE = FREE["t"], stacked(FREE, Q), stacked(FREE, OMEGA)
 
 
 def judge(t, q, *omega, **conventions):
-    """The checker in Python, on trajectories whose errors are known."""
     return check(t, q, *omega, motion="free_asymmetric", **conventions)
 
 
-@pytest.mark.parametrize(
-    ("scalar", "direction", "frame", "sign"),
-    list(
-        itertools.product(
-            ("first", "last"),
-            ("body to space", "space to body"),
-            ("body", "space"),
-            ("plus", "minus"),
-        )
-    ),
+@each(
+    "scalar, direction, frame, sign",
+    *itertools.product(("first", "last"), DIRECTIONS, ("body", "space"), ("plus", "minus")),
 )
 def test_conventions_are_found(scalar, direction, frame, sign):
     """All of them, with signs of quaternions that jump."""
@@ -199,7 +188,6 @@ def test_errors_are_measured():
 
 
 def test_named_conventions():
-    """A convention that is named is taken, right or wrong."""
     found = judge(T, ATTITUDE, direction="space to body")
     assert found["direction"] == "space to body"
     assert found["attitude_error"] > 0.1
@@ -207,35 +195,27 @@ def test_named_conventions():
         judge(T, ATTITUDE, scalar="middle")
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
+def test_what_is_refused():
+    for given, words in (
         ((T, ATTITUDE[:, :3]), "four numbers"),
         ((T, ATTITUDE, BODY_RATE[1:]), "three numbers"),
         ((T + 0.01, ATTITUDE), "fewer than two of the times"),
-    ],
-)
-def test_what_is_refused(given, words):
-    """Shapes, and times that the reference does not have."""
-    with pytest.raises(ValueError, match=words):
-        judge(*given)
+    ):
+        with pytest.raises(ValueError, match=words):
+            judge(*given)
 
 
 def test_order():
-    """The slope of a power."""
     assert order([0.1, 0.05, 0.025], [3e-3, 3e-3 / 16, 3e-3 / 256]) == pytest.approx(4, abs=5e-8)
 
 
 def numbers_of(folder, *command):
-    """What a command prints: a name and a value per line."""
-    run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert run.returncode == 0, run.stderr
-    lines = run.stdout.replace("order of convergence", "order").splitlines()
-    return {line.split()[0]: " ".join(line.split()[1:]) for line in lines if line}
+    said = execute(*command, cwd=folder).stdout.replace("order of convergence", "order")
+    return {line.split()[0]: " ".join(line.split()[1:]) for line in said.splitlines() if line}
 
 
 @pytest.mark.skipif(KIND != "release", reason="does not use the program under test")
-@pytest.mark.parametrize("compiler", ["g++", "node"])
+@each("compiler", "g++", "node")
 def test_other_languages(folder, compiler):
     """The checkers in C++ and JavaScript find what that in Python finds, but for rounding."""
     if not shutil.which(compiler):
@@ -244,8 +224,7 @@ def test_other_languages(folder, compiler):
     if compiler == "g++":
         warnings = ["-std=c++11", "-Wall", "-Wextra", "-pedantic", "-Werror"]
         source = REFERENCE / "example.cpp"
-        compile_ = ["g++", *warnings, "-O1", "-o", folder / "example", source]
-        subprocess.run(compile_, check=True)
+        execute("g++", *warnings, "-O1", "-o", folder / "example", source)
         command = [folder / "example", REFERENCE / "motions"]
     found = numbers_of(folder, *command)
     for name, value in numbers_of(folder, sys.executable, REFERENCE / "example.py").items():

@@ -11,7 +11,7 @@ from itertools import pairwise
 
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = "&top mass = 1  inertia = 0.9, 0.9, 0.25  length = 0.3  gravity = 9.81 /\n"
 FREE = TOP.replace("9.81", "0")
@@ -28,32 +28,20 @@ LOAD = "friction_coefficient = 0.3  friction_radius = 0.03"
 SHAKEN = LOAD + "  vibration_amplitude = 0, 0, 0.05  vibration_rate = 30"
 TABLE = "t,m1,m2,m3\n0,0,0,0.1\n1,0,0,-1\n3,0,0,-2\n"
 SPLINE = "t,m1,m2,m3\n0,0,0,0\n1,0,0,0.3\n2,0,0,0\n3,0,0,-0.3\n4,0,0,0\n6,0,0,0\n"
+DRAG, DRY = "drag_moment = 0.1, 0.1, 0.1", "friction_torque = 0.1"
+SLIGHT = "vibration_amplitude = 0, 0, 0.04  vibration_rate = 17"
+BY_TABLE = "  torque_table = 'table.csv'"
+BY_SPLINE = "  torque_table = 'spline.csv'  torque_interpolation = 'spline'"
 SCENES = {
-    "drag": (SWING, "drag_moment = 0.1, 0.1, 0.1", 8),
-    "drag 1.5": (SWING, "drag_moment = 0.1, 0.1, 0.1  drag_exponent = 1.5", 5),
+    "drag": (SWING, DRAG, 8),
+    "drag 1.5": (SWING, f"{DRAG}  drag_exponent = 1.5", 5),
     "force": (SWING, "drag_force = 5", 8),
-    "vibration": (
-        SWING,
-        "drag_moment = 0.1, 0.1, 0.1  vibration_amplitude = 0, 0, 0.1  vibration_rate = 15",
-        4,
-    ),
-    "smoothed": (SWING, "friction_torque = 0.1  friction_smoothing = 1e-6", 5),
-    "dry": (
-        SWING,
-        "friction_torque = 0.4  vibration_amplitude = 0, 0, 0.04  vibration_rate = 17",
-        4,
-    ),
+    "vibration": (SWING, f"{DRAG}  vibration_amplitude = 0, 0, 0.1  vibration_rate = 15", 4),
+    "smoothed": (SWING, f"{DRY}  friction_smoothing = 1e-6", 5),
+    "dry": (SWING, f"friction_torque = 0.4  {SLIGHT}", 4),
     "spin": (SPIN, "drag_moment = 0, 0, 0.05  torque_body = 0, 0, -0.2", 6),
-    "table": (
-        FREE + "&initial theta = 1  omega3 = 0.3 /\n",
-        "friction_torque = 0.1  torque_table = 'table.csv'",
-        3,
-    ),
-    "spline": (
-        FREE + "&initial theta = 1  omega3 = 0 /\n",
-        "friction_torque = 0.1  torque_table = 'spline.csv'  torque_interpolation = 'spline'",
-        6,
-    ),
+    "table": (f"{FREE}&initial theta = 1  omega3 = 0.3 /\n", f"{DRY}{BY_TABLE}", 3),
+    "spline": (f"{FREE}&initial theta = 1  omega3 = 0 /\n", f"{DRY}{BY_SPLINE}", 6),
     "spinning rod": (ROD, "drag_force = 0.5", 8),
     "rod without momentum": (ROD, "drag_force = 0.5  rotor_momentum = 0, 0, -6", 8),
     "support": (TURNING, SHAKEN, 2),
@@ -72,7 +60,6 @@ TOLERANCE = 3e-9
 
 
 def last_row(spin, text):
-    """The last row of the table of an input."""
     return spin(text, "--threads=1", table=TABLE, spline=SPLINE).rows.iloc[-1]
 
 
@@ -81,7 +68,7 @@ def between(a, b):
     return abs(math.remainder(a - b, math.pi))
 
 
-@pytest.mark.parametrize(("name", "place"), CASES)
+@each("name, place", *CASES)
 def test_all_ways_agree(spin, name, place):
     """The end of the motion; and the account of the energy is closed."""
     start, effects, t_end = SCENES[name]

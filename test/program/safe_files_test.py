@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, merge, netcdf_is_missing, wait_until
+from conftest import ROOT, each, merge, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
 from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
 
@@ -45,7 +45,6 @@ int flock(int file, int operation) { (void)file; (void)operation; errno = ENOLCK
 
 
 def run_study(spin, kind, *options, code=0):
-    """Run a study, unless this build cannot."""
     if kind.endswith("netcdf") and (reason := netcdf_is_missing()):
         pytest.skip(reason)
     shutil.copy(ROOT / "input/fit.csv", spin.folder)
@@ -53,13 +52,11 @@ def run_study(spin, kind, *options, code=0):
 
 
 def files_of_study(spin, kind):
-    """The files that it makes."""
     run_study(spin, kind)
     return sorted((spin.folder / "output").iterdir())
 
 
 def plant(how, victim, path):
-    """Make a file of another kind of a name."""
     path.unlink(missing_ok=True)
     match how:
         case "symbolic link":
@@ -71,7 +68,7 @@ def plant(how, victim, path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", STUDIES)
+@each("kind", *STUDIES)
 def test_every_file_that_is_written(spin, kind):
     """A link or a FIFO is refused at once with its name; what it leads to stays as it is."""
     ways = ("symbolic link", "hard link", "FIFO")[: 3 if kind in ("sweep", "both") else 1]
@@ -99,13 +96,11 @@ def test_every_file_that_is_written(spin, kind):
 
 def test_targets(spin):
     """A table does not take the place of a FIFO or of a device, nor does a merged one."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep", f"--shard={part}")
+    parts = spin.parts(STUDIES["sweep"], 2)
     os.mkfifo(spin.folder / "fifo")
     if os.geteuid() == 0:
         subprocess.run(["mknod", spin.folder / "zero", "c", "1", "5"], check=True)
     for name in ("fifo", "zero")[: 2 if os.geteuid() == 0 else 1]:
-        parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
         assert "not a file" in merge(spin, name, *parts, code=4)
         assert not (spin.folder / name).is_file()
     os.mkfifo(spin.folder / "output/sweep.csv")
@@ -138,7 +133,6 @@ def slow(spin, preload):
 
 @pytest.mark.slow
 def test_two_runs(slow):
-    """The second is refused; the first goes on, and leaves no other file."""
     with slow.start() as first:
         slow.wait(first, 0)
         for words in ([], ["--resume"], ["--restart"]):
@@ -160,12 +154,11 @@ def test_a_killed_run(slow):
 
 
 def test_a_signal(slow):
-    """A run that a signal ends removes its lock."""
     slow.interrupt(by=signal.SIGTERM)
     assert "output/slow.csv.part.lock" not in slow.spin.produced()
 
 
-@pytest.mark.parametrize("is_another", [False, True])
+@each("is_another", False, True)
 def test_others_write_to_the_part(slow, is_another):
     """A part that was changed, or is another file, never becomes a table."""
     part = slow.spin.folder / "output/slow.csv.part"

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TOP = """\
 &top mass = 1.3, inertia = 0.875, 0.875, 0.25, length = 0.85, gravity = 9.7 /
@@ -25,16 +25,10 @@ SWEEP = (
 ENDS = ("theta_end", "phi_end", "psi_end", "theta_rate_end")
 DATA = {
     "top.mass": 1.3,
-    "top.inertia(1)": 0.9,
-    "top.inertia(2)": 0.7,
-    "top.inertia(3)": 0.3,
+    **{f"top.inertia({i})": moment for i, moment in ((1, 0.9), (2, 0.7), (3, 0.3))},
     "top.gravity": 9.81,
-    "top.damping(1)": 0.02,
-    "top.damping(2)": 0.02,
-    "top.damping(3)": 0.02,
-    "initial.omega(1)": 0.5,
-    "initial.omega(2)": 0.3,
-    "initial.omega(3)": 4.0,
+    **{f"top.damping({i})": 0.02 for i in (1, 2, 3)},
+    **{f"initial.omega({i})": rate for i, rate in ((1, 0.5), (2, 0.3), (3, 4.0))},
     "span.t_end": 2.5,
 }
 
@@ -53,7 +47,6 @@ def derivatives(spin, text, columns, keys):
 
 
 def agree(first, second, error):
-    """Both agree within the error, which is small."""
     assert math.isfinite(first)
     assert error < 1e-6 * max(1, abs(second))
     assert first == pytest.approx(second, abs=error)
@@ -103,9 +96,8 @@ def test_each_row_of_a_trajectory(spin):
             agree(row[name], value, row[name + "_error"])
 
 
-@pytest.mark.parametrize("key", ["top.length", "initial.theta_rate"])
+@each("key", "top.length", "initial.theta_rate")
 def test_trajectories_and_sweeps_agree(spin, key):
-    """The last row of a trajectory has the derivatives of the end."""
     (swept,) = derivatives(spin, SWEEP + TOP, ["theta_end"], [key])[1].values()
     (moved,) = derivatives(spin, TOP, ["theta"], [key])[1].values()
     agree(swept[0], moved[0], swept[1] + moved[1])
@@ -121,7 +113,6 @@ def test_one_side(spin):
 
 
 def test_swept_keys(spin):
-    """A key may be an axis; the rows do not depend on the number of threads."""
     text = TOP.replace(", psi_rate = 14", "") + "&study kind = 'sweep' /\n"
     text += "&sweep parameter = 'initial.psi_rate', values(1,:) = 8, 14, 20 /\n"
     text += output(SPIN, "theta_end__top.mass")
@@ -144,21 +135,18 @@ def test_a_kink_has_a_note(spin):
     assert "a derivative does not converge" in row.notes
 
 
-@pytest.mark.parametrize(
-    ("name", "message"),
-    [
-        ("'theta_ende__top.mass'", "there is no column 'theta_ende'"),
-        ("'theta_end__top.mas'", "top.mas"),
-        ("'theta_end__top.shape'", "is not a number"),
-        ("'theta_end__span.samples'", "span.samples"),
-        ("'theta_end__integration.step'", "integration.step is not a property of the motion"),
-        ("'theta_end__top.density'", "top.density has no value"),
-        ("'motion_class__top.mass'", "column 'motion_class' has no derivatives"),
-        ("2*'theta_end__top.mass'", "named twice"),
-    ],
+@each(
+    "name, message",
+    ("'theta_ende__top.mass'", "there is no column 'theta_ende'"),
+    ("'theta_end__top.mas'", "top.mas"),
+    ("'theta_end__top.shape'", "is not a number"),
+    ("'theta_end__span.samples'", "span.samples"),
+    ("'theta_end__integration.step'", "integration.step is not a property of the motion"),
+    ("'theta_end__top.density'", "top.density has no value"),
+    ("'motion_class__top.mass'", "column 'motion_class' has no derivatives"),
+    ("2*'theta_end__top.mass'", "named twice"),
 )
 def test_refusals(spin, name, message):
-    """Names that are wrong are refused with their place."""
     error = spin.refuse(f"{SWEEP}{TOP}&output columns = {name} /\n")
     assert "scene.nml:" in error
     assert message in error

@@ -4,22 +4,22 @@ import math
 
 import pytest
 
+from conftest import each
+
 TOP = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
 CRITICAL = 2 * math.sqrt(9.81 * 0.866 * 0.875) / 0.25
 SPAN = "&span t_end = 1 /\n"
 SAID = "the top stays upright only because nothing disturbs it"
 
 
-@pytest.mark.parametrize(
-    ("start", "warns"),
-    [
-        ("theta = 0  spin_ratio = 1.8", True),
-        ("theta = 0  spin_ratio = 1.9", False),
-        ("theta = 1e-6  spin_ratio = 1.8", False),
-        ("quaternion = 1, 0, 0, 0  omega = 0, 0, -21", True),
-        ("quaternion = 1, 0, 0, 0  omega = 0, 1e-9, -21", False),
-        ("theta_deg = 180  omega3 = 1", False),
-    ],
+@each(
+    "start, warns",
+    ("theta = 0  spin_ratio = 1.8", True),
+    ("theta = 0  spin_ratio = 1.9", False),
+    ("theta = 1e-6  spin_ratio = 1.8", False),
+    ("quaternion = 1, 0, 0, 0  omega = 0, 0, -21", True),
+    ("quaternion = 1, 0, 0, 0  omega = 0, 1e-9, -21", False),
+    ("theta_deg = 180  omega3 = 1", False),
 )
 def test_an_upright_start(spin, start, warns):
     """A start exactly upright with too little spin has a warning; the summary has the threshold."""
@@ -28,9 +28,10 @@ def test_an_upright_start(spin, start, warns):
     assert f"a sleeping top is stable from omega3 = {CRITICAL:.10f} rad/s" in run.out
 
 
-@pytest.mark.parametrize(
-    ("length", "start"),
-    [("0.866", "theta = 0  omega3 = 21"), ("-0.866", "quaternion = 0, 1, 0, 0  omega = 0, 0, 21")],
+@each(
+    "length, start",
+    ("0.866", "theta = 0  omega3 = 21"),
+    ("-0.866", "quaternion = 0, 1, 0, 0  omega = 0, 0, 21"),
 )
 def test_damped(spin, length, start):
     """Damping holds no top upright; one with its centre of mass at -z is upright too."""
@@ -38,17 +39,14 @@ def test_damped(spin, length, start):
     assert "warning: the top stays upright" in spin(f"{damped}&initial {start} /\n{SPAN}").err
 
 
-@pytest.mark.parametrize(
-    ("top", "effects", "start", "name", "with_effects"),
-    [
-        ("length = 0.866", "rotor_momentum = 0, 0, 3", "omega3 = 15", "omega3", 27),
-        ("length = -0.866", "", "omega3 = 15", "omega3", None),
-        ("length = 0.866", "earth_rate = 12  latitude_deg = 90", "omega3 = 15", "omega3", 27),
-        ("centre_of_mass = 0.866, 0, 0", "", "omega = 15, 0, 0", "omega1", None),
-    ],
+@each(
+    "top, effects, start, name, with_effects",
+    ("length = 0.866", "rotor_momentum = 0, 0, 3", "omega3 = 15", "omega3", 27),
+    ("length = -0.866", "", "omega3 = 15", "omega3", None),
+    ("length = 0.866", "earth_rate = 12  latitude_deg = 90", "omega3 = 15", "omega3", 27),
+    ("centre_of_mass = 0.866, 0, 0", "", "omega = 15, 0, 0", "omega1", None),
 )
 def test_spin_of_the_summary(spin, top, effects, start, name, with_effects):
-    """The summary has the spin of the input, about the axis that has the centre of mass."""
     inertia = "0.25, 0.875, 0.875" if name == "omega1" else "0.875, 0.875, 0.25"
     text = f"&top mass = 1  inertia = {inertia}  {top} /\n{SPAN}&effects {effects} /\n"
     run = spin(f"{text}&initial theta = 1e-6  {start} /\n")
@@ -61,8 +59,8 @@ def test_spin_of_the_summary(spin, top, effects, start, name, with_effects):
         assert float(line.split(" as one of ")[1]) == pytest.approx(with_effects, rel=1e-9)
 
 
-@pytest.mark.parametrize("keys", ["drag_moment = 0, 0, 0.001", "friction_torque = 0.1", "damping"])
-@pytest.mark.parametrize(("omega3", "t_end"), [(22, 1), (22, 0.01), (21, 1)])
+@each("keys", "drag_moment = 0, 0, 0.001", "friction_torque = 0.1", "damping")
+@each("omega3, t_end", (22, 1), (22, 0.01), (21, 1))
 def test_slowing_down(spin, keys, omega3, t_end):
     """A top that is exactly upright in the end with less spin than the threshold is told of."""
     text = f"{TOP}&effects {keys} /\n"
@@ -76,16 +74,14 @@ def test_slowing_down(spin, keys, omega3, t_end):
 ROTOR = "/\n&effects rotor_momentum = 0, 0, 1"
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "critical", "ratio", "note"),
-    [
-        ("", "", CRITICAL, 30 / CRITICAL, ""),
-        ("length = 0.866", "length = 0.866  damping = 0, 0, 0.1", CRITICAL, 30 / CRITICAL, ""),
-        ("/", f"{ROTOR}  drag_force = 1e-3 /", CRITICAL, 34 / CRITICAL, ""),
-        ("/", f"{ROTOR} /", CRITICAL, 34 / CRITICAL, ""),
-        ("length = 0.866", "length = 0", 0, math.nan, "gravity exerts no torque"),
-        ("0.875, 0.25", "0.8, 0.25", math.nan, math.nan, "the body is not symmetric"),
-    ],
+@each(
+    "old, new, critical, ratio, note",
+    ("", "", CRITICAL, 30 / CRITICAL, ""),
+    ("length = 0.866", "length = 0.866  damping = 0, 0, 0.1", CRITICAL, 30 / CRITICAL, ""),
+    ("/", f"{ROTOR}  drag_force = 1e-3 /", CRITICAL, 34 / CRITICAL, ""),
+    ("/", f"{ROTOR} /", CRITICAL, 34 / CRITICAL, ""),
+    ("length = 0.866", "length = 0", 0, math.nan, "gravity exerts no torque"),
+    ("0.875, 0.25", "0.8, 0.25", math.nan, math.nan, "the body is not symmetric"),
 )
 def test_columns(spin, old, new, critical, ratio, note):
     """The threshold and the spin over it, for what has one."""
@@ -111,10 +107,10 @@ SCENE = (
 )
 
 
-@pytest.mark.parametrize("beyond", [0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8])
-@pytest.mark.parametrize("peak", [4.3, 5.0])
-@pytest.mark.parametrize("method", ["taylor", "dop853", "taylor_quadruple"])
-@pytest.mark.parametrize("absolute", [1e-12, 1e-16])
+@each("beyond", 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+@each("peak", 4.3, 5.0)
+@each("method", "taylor", "dop853", "taylor_quadruple")
+@each("absolute", 1e-12, 1e-16)
 def test_short_departure(spin, absolute, method, peak, beyond):
     """However little the torque exceeds the friction, the body departs, and comes to rest.
 

@@ -9,7 +9,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 REST = "&initial theta = 0.9  phi_rate = 0.4  theta_rate = -0.7  psi_rate = 9 /\n"
 HEAVY = (
@@ -33,7 +33,6 @@ SPANS = "&study kind = 'sweep' /\n&sweep parameter(1) = 'span.t_end'  values(1,:
 
 
 def extremes(rows):
-    """The quantities of a sweep from rows of the trajectory."""
     theta = rows.theta.min(), rows.theta.max()
     force = np.linalg.norm(rows[["force_x", "force_y", "force_z"]], axis=1)
     return {
@@ -49,17 +48,15 @@ def extremes(rows):
     }
 
 
-@pytest.mark.parametrize(
-    ("body", "nutation", "method", "columns"),
-    [
-        (HEAVY, 2.1, LANES, ALL),
-        (HEAVY, 2.1, ALONE, ALL),
-        (HEAVY, 2.1, "method = 'dop853'", ALL),
-        (TENSOR, 1.6, LANES, ALL),
-        (FREE, 1.7, "method = 'exact'", RATES),
-        (FREE, 1.7, LANES, RATES),
-        (FREE, 1.7, "method = 'dop853'", RATES),
-    ],
+@each(
+    "body, nutation, method, columns",
+    (HEAVY, 2.1, LANES, ALL),
+    (HEAVY, 2.1, ALONE, ALL),
+    (HEAVY, 2.1, "method = 'dop853'", ALL),
+    (TENSOR, 1.6, LANES, ALL),
+    (FREE, 1.7, "method = 'exact'", RATES),
+    (FREE, 1.7, LANES, RATES),
+    (FREE, 1.7, "method = 'dop853'", RATES),
 )
 def test_extremes(spin, body, nutation, method, columns):
     """In each span, all together and each alone; what needs a whole nutation says so."""
@@ -105,15 +102,14 @@ BESIDE_POLES = [
 ]
 
 
-@pytest.mark.parametrize("body", BESIDE_POLES)
+@each("body", *BESIDE_POLES)
 def test_rates_beside_poles(spin, body):
     """In lanes and alone the same; a large rate next to a pole makes no cusps of the others."""
     sweep = body + SPANS.format(6) + output("phi_rate_max", "theta_max", "motion_class")
     rates = []
     for method in (LANES, ALONE, "method = 'dop853'"):
-        (row,) = spin(
-            f"{sweep}&integration {method}  relative_tolerance = 1e-12 /\n"
-        ).rows.itertuples()
+        text = f"{sweep}&integration {method}  relative_tolerance = 1e-12 /\n"
+        (row,) = spin(text).rows.itertuples()
         assert abs(row.theta_max - math.pi) < 3e-6
         assert row.motion_class != "cusp"
         rates.append(row.phi_rate_max)
@@ -137,10 +133,9 @@ CLASSES = {
 }
 
 
-@pytest.mark.parametrize("scene", CLASSES)
-@pytest.mark.parametrize("method", [ALONE, "method = 'dop853'"])
+@each("scene", *CLASSES)
+@each("method", ALONE, "method = 'dop853'")
 def test_class_alone(spin, scene, method):
-    """The class of a motion is the same without a search for its largest precession rate."""
     settings = f"&integration {method}  relative_tolerance = 1e-11 /\n&span t_end = 8 /\n"
     sweep = scene + settings + "&study kind = 'sweep' /\n"
     alone = list(spin(sweep + output("motion_class")).rows.motion_class)

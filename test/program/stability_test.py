@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
+from conftest import each
+
 VERDICTS = {"accurate", "drifts", "wrong", "failed", "unsuitable", "no_reference"}
 OWN = (
-    "&study kind = 'stability' /\n"
-    "&top mass = 1, inertia = 1, {}, 0.5, length = 0.5 /\n"
+    "&study kind = 'stability' /\n&top mass = 1, inertia = 1, {}, 0.5, length = 0.5 /\n"
     "&initial theta = 0.5, omega3 = 10 /\n&span t_end = {} /\n"
     "&stability cases = {}, methods = {} /\n"
 )
 
 
 def study(spin, cases, methods):
-    """The rows of a study by case, method and formulation."""
     rows = spin("stability", f"stability.cases={cases}", f"stability.methods={methods}").rows
     assert set(rows.verdict) <= VERDICTS
     return {(row.case, row.method, row.formulation): row for row in rows.itertuples()}
@@ -52,7 +52,6 @@ def test_growth_of_sleeping_tops(spin):
 
 
 def test_own_case(spin):
-    """The input's own case takes its place among those of the catalogue."""
     rows = spin(OWN.format(1.2, 3, "'input'", "'dop853', 'splitting_8'")).rows
     assert list(rows.case) == ["input", "input"]
     assert set(rows.verdict) == {"accurate"}
@@ -73,7 +72,7 @@ def test_a_case_without_a_reference(spin):
     assert "1 no_reference" in run.out
 
 
-@pytest.mark.parametrize(("steps", "has_one"), [(1000, True), (15, False)])
+@each("steps, has_one", (1000, True), (15, False))
 def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
     """A motion of too many steps has no reference; the exact solution needs no steps."""
     text = OWN.format(1, 30, "'input'", "'taylor'")
@@ -82,23 +81,19 @@ def test_the_exponent_takes_no_more_than_the_work_allowed(spin, steps, has_one):
     assert math.isnan(run.rows.lyapunov_exponent[0]) != has_one
 
 
-@pytest.mark.parametrize(
-    ("setting", "said"),
-    [
-        ("stability.cases=slow_tip", "did you mean 'slow_top'"),
-        ("stability.methods=taylr", "did you mean 'taylor'"),
-        ("stability.methods=taylor/lagrang", "did you mean 'lagrange'"),
-        ("integration.method=rk4", "a stability study compares methods and formulations"),
-        ("integration.formulation=euler", "a stability study compares methods and formulations"),
-    ],
+@each(
+    "setting, said",
+    ("stability.cases=slow_tip", "did you mean 'slow_top'"),
+    ("stability.methods=taylr", "did you mean 'taylor'"),
+    ("stability.methods=taylor/lagrang", "did you mean 'lagrange'"),
+    ("integration.method=rk4", "a stability study compares methods and formulations"),
+    ("integration.formulation=euler", "a stability study compares methods and formulations"),
 )
 def test_refusals(spin, setting, said):
-    """Names that are not there are refused, with the nearest; so is a method of the input."""
     assert said in spin.refuse("stability", setting)
 
 
 def test_catalogue_is_listed(spin):
-    """Every case that runs by default is listed, and some more."""
     names = [case["name"] for case in spin.listed("cases")]
     assert len(names) > 20
     assert "million_nutations" in names
@@ -132,7 +127,6 @@ def test_boundary(spin):
 
 
 def test_notes(spin):
-    """Other bodies have no such multiplier, and the note says why."""
     rows = spin("kapitza_map", *ONE, "effects.drag_force=0.1").rows
     assert np.isnan(rows.upright_multiplier[0])
     assert "the only effect must be a vertical vibration" in rows.notes[0]

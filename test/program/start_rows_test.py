@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from conftest import output
+from conftest import each, output
 
 TENSOR = """inertia_tensor(1,:) = 0.55, -0.3, 0
      inertia_tensor(2,2:3) = 0.55, 0  inertia_tensor(3,3) = 0.85"""
@@ -21,7 +21,6 @@ EFFECTS = ("", "earth_rate = 0.3  latitude_deg = 90", "rotor_momentum = 0, 0, 0.
 
 
 def first_row(spin, text, code=0):
-    """The numbers of the first row of all columns; None where the method is refused."""
     run = spin(text + output("all"), code=code)
     if run.code == 2:
         assert "exact" in run.err
@@ -29,8 +28,8 @@ def first_row(spin, text, code=0):
     return run.rows.iloc[0].dropna()
 
 
-@pytest.mark.parametrize("effects", EFFECTS)
-@pytest.mark.parametrize("body", BODIES)
+@each("effects", *EFFECTS)
+@each("body", *BODIES)
 def test_columns_at_the_start(spin, body, effects):
     """Those that both methods have are equal: angles, rates, forces, energies, residuals."""
     text = f"&top mass = 1.3  {BODIES[body]} /\n&span t_end = 2  samples = 3 /\n"
@@ -62,13 +61,12 @@ SWEEP = "&study kind = 'sweep' /\n&sweep parameter(1) = 'top.mass'  values(1,:) 
 
 
 def levels_at(spin, scene, quantity):
-    """The value of a quantity at the start, as it is printed and rounded."""
     value = float(first_row(spin, scene)[quantity])
     return {f"{value!r}", f"{value:.15f}"}
 
 
-@pytest.mark.parametrize("psi", [0, 90])
-@pytest.mark.parametrize("quantity", LEVELS)
+@each("psi", 0, 90)
+@each("quantity", *LEVELS)
 def test_the_start_is_no_event(spin, quantity, psi):
     """A level that the start has to rounding is passed later, in lanes as in a single motion."""
     for level in levels_at(spin, BODY.format(psi, ""), quantity):
@@ -79,7 +77,7 @@ def test_the_start_is_no_event(spin, quantity, psi):
         assert found == pytest.approx(expected, rel=1e-6), level
 
 
-@pytest.mark.parametrize(("quantity", "start"), TOPS)
+@each("quantity, start", *TOPS)
 def test_the_start_of_a_top_is_no_event(spin, quantity, start):
     """The same by the exact solution and by methods, also of a top that is released at rest."""
     scene = "&top mass = 1.3  inertia = 0.975, 0.975, 0.25  length = 0.8 /\n"

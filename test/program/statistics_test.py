@@ -3,10 +3,10 @@
 import re
 
 import numpy as np
-import pytest
 
-from conftest import wait_until
+from conftest import each, needs_netcdf, wait_until
 from indices_test import VECTOR
+from slow_sweep import SLOW as SWEEP
 from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
 
@@ -26,13 +26,8 @@ MAP = """\
             quantiles = 0, 0.1, 0.5, 1 quantiles_of = 'bins' /
 """
 # A run of seconds, without rows.
-SLOW = """\
-&study kind = 'sweep' /
-&top mass = 1.0, inertia = 0.875, 0.875, 0.25, length = 0.8660254037844387 /
-&initial theta_deg = 20 /
-&span t_end = 2 /
-&integration formulation = 'lagrange', method = 'rk4', steps = 2000 /
-&sweep parameter(1) = 'initial.psi_rate', from(1) = 1, to(1) = 100, count(1) = 1000 /
+SLOW = f"""\
+{SWEEP}
 &statistics columns = 'theta_max', 'theta_end', 'status'  over = 'initial.psi_rate'  bins = 20 /
 &output rows = 'none' /
 """
@@ -44,22 +39,20 @@ BINS = f"{OVER}  bins(2) = 3  from(2) = 0.1  to(2) = 1.5"
 RESULT = ("statistics.csv", "histogram.csv")
 
 
+NETCDF = "output.format=netcdf"
 ANY = (0, 3)
 """Exit codes of sweeps whose cases may fail."""
 
 
 def swept(spin, text, *words, name="map", code=ANY):
-    """Run a sweep with statistics."""
     return spin(text, *words, name=name, code=code)
 
 
 def results(spin, folder: str, name: str = "map") -> list[bytes]:
-    """The tables of the statistics in a folder."""
     return [(spin.folder / folder / f"{name}.{ending}").read_bytes() for ending in RESULT]
 
 
 def numbers(tables: list[bytes]) -> list[list[bytes]]:
-    """The lines of tables without their comments."""
     return [[line for line in t.splitlines() if not line.startswith(b"#")] for t in tables]
 
 
@@ -148,20 +141,17 @@ def test_bins_of_an_axis(spin):
 
 
 def test_all_cases_without_bins(spin):
-    """One row where there is nothing to bin over."""
     text = MAP.replace(BINS, "").replace("quantiles_of = 'bins'", "")
     assert list(swept(spin, text).table("statistics").cases) == [868]
 
 
+@needs_netcdf
 def test_the_same_numbers_as_netcdf(spin):
     """Bit for bit those of the CSV, with rows and without, as a whole and in parts."""
-    netcdf = "output.format=netcdf"
-    if "this build has no NetCDF" in swept(spin, MAP, netcdf, code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
     csv = swept(spin, MAP)
-    for part in ((), ("--shard=1/2",), ("--shard=2/2",)):
-        swept(spin, BARE, netcdf, *part, name="bare")
-    states = [f"output/bare.{part}-of-2.statistics.state" for part in (1, 2)]
+    for text, name in ((MAP, "map"), (BARE, "bare")):
+        swept(spin, text, NETCDF, name=name)
+    states = spin.parts(BARE, 2, NETCDF, ending="statistics.state", name="bare", code=ANY)
     merged = spin.call("merge", "output/merged.nc", *states, path="output/merged.nc", code=ANY)
     whole = (spin.folder / "output/bare.statistics.nc").read_bytes()
     assert merged.path.read_bytes() == whole
@@ -179,48 +169,40 @@ def test_the_same_numbers_as_netcdf(spin):
             np.testing.assert_array_equal(found[column], histogram[column])
 
 
+@needs_netcdf
 def test_a_changed_netcdf_result_is_not_resumed(spin):
-    """Each of its tables is checked."""
-    netcdf = "output.format=netcdf"
-    if "this build has no NetCDF" in swept(spin, BARE, netcdf, name="bare", code=(0, 2, 3)).stderr:
-        pytest.skip("no NetCDF")
-    swept(spin, BARE, netcdf, "--resume", name="bare")
+    for options in ([], ["--resume"]):
+        swept(spin, BARE, NETCDF, *options, name="bare")
     path = spin.folder / "output/bare.histogram.nc"
     data = bytearray(path.read_bytes())
     data[-9] ^= 1
     path.write_bytes(data)
-    refused = swept(spin, BARE, netcdf, "--resume", name="bare", code=2)
+    refused = swept(spin, BARE, NETCDF, "--resume", name="bare", code=2)
     assert "bare.histogram.nc was changed after it was written" in refused.stderr
 
 
 def test_rows_and_parts(spin):
-    """The same numbers with rows and without; a part without its statistics is refused."""
     swept(spin, MAP, "--output=one")
-    for part in ("1/3", "2/3", "3/3"):
-        swept(spin, MAP, f"--shard={part}", "--output=parts")
+    one, two, three = spin.parts(MAP, 3, "--output=parts", name="map", code=ANY)
     (spin.folder / "parts/map.2-of-3.statistics.state").unlink()
-    tables = [f"parts/map.{part}-of-3.csv" for part in (2, 3, 1)]
-    refused = spin.call("merge", "parts/map.csv", *tables, code=2)
+    refused = spin.call("merge", "parts/map.csv", two, three, one, code=2)
     assert "map.2-of-3.statistics.state" in refused.stderr
     swept(spin, BARE, "--output=one", name="bare")
     assert numbers(results(spin, "one")) == numbers(results(spin, "one", "bare"))
     assert not (spin.folder / "one/bare.csv").exists()
 
 
-@pytest.mark.parametrize("text", [BARE, VECTOR])
+@each("text", BARE, VECTOR)
 def test_damaged_parts(spin, text):
     """A part that is cut short, changed, twice there or missing is refused, with indices too."""
-    for part in (1, 2, 3):
-        swept(spin, text, f"--shard={part}/3")
-    states = [f"output/map.{part}-of-3.statistics.state" for part in (1, 2, 3)]
+    states = spin.parts(text, 3, ending="statistics.state", name="map", code=ANY)
     damaged = spin.folder / states[1]
     whole = damaged.read_bytes()
     begin, end = whole.index(b"spintop statistics 3"), len(whole)
     damages = [whole[: begin + 30], whole[:-1], whole[:-40], whole[:begin]]
     for place in (
         *range(begin + 25, begin + 900, 97),
-        end // 2 + begin // 2,
-        *range(end - 5, begin, -331),
+        *range(end - 5, begin, -(end - begin) // 24),
     ):
         damages.append(whole[:place] + bytes([whole[place] ^ 64]) + whole[place + 1 :])
     merge = ("merge", "output/all.statistics.csv")
@@ -238,7 +220,6 @@ RESUMED = ("map.nml", "--resume", "--threads", "1")
 
 
 def test_damaged_snapshot(spin):
-    """A run is not resumed from statistics that were changed, and says how to begin anew."""
     spin.write(SLOW, "map.nml")
     with spin.start(*RESUMED) as run:
         wait_until(lambda: run.poll() is None and spin.journalled("output/map.statistics.csv") > 0)
@@ -255,9 +236,8 @@ def test_damaged_snapshot(spin):
     assert not list((spin.folder / "output").glob("*.state?"))
 
 
-@pytest.mark.parametrize("text", [MAP, SLOW.replace("count(1) = 1000", "count(1) = 20")])
+@each("text", MAP, SLOW.replace("count(1) = 1000", "count(1) = 20"))
 def test_nothing_left_to_compute(spin, text):
-    """A complete run is not computed again."""
     swept(spin, text)
     assert "the table is already complete" in swept(spin, text, "--resume").out
 
@@ -267,15 +247,13 @@ QUANTILES = "quantiles = 0, 0.1, 0.5, 1"
 NONE = "&output rows = 'none' /"
 SINGLE = SLOW.replace(SLOW[SLOW.index("&sweep") : SLOW.index("&statistics")], "")
 SINGLE = SINGLE.replace("'sweep'", "'trajectory'")
-COLUMNS_REFUSED = [
+REFUSED = [
     (STATISTICS_OF, "columns = 'theta_mx'", "there is no column 'theta_mx'", "'theta_max'?"),
     (STATISTICS_OF, "columns = 'theta_max', 'theta_max'", "named twice"),
     (STATISTICS_OF, "columns = 'com_z_min'", "the table has no column", "add it to output.columns"),
     (STATISTICS_OF, "columns = 'top.mass'", "top.mass is not swept"),
     (STATISTICS_OF, "columns = 'notes'", "has no statistics"),
     (STATISTICS_OF, "", "there are no columns of which statistics are computed"),
-]
-BINS_REFUSED = [
     (OVER, "over = 'initial.phi_rate', 'motion_class'", "has words, and no numbers"),
     (OVER, "over = 'initial.phi_rate', 'initial.phi'", "is not swept"),
     (OVER, "over = 'theta_end', 'theta_end' from(1) = 0 to(1) = 1", "both quantities are the same"),
@@ -284,27 +262,27 @@ BINS_REFUSED = [
     ("from(2) = 0.1", "from(2) = -1 spacing(2) = 'log'", "needs positive ends, not -1"),
     ("bins(2) = 3", "bins(2) = 0", "must be >= 1"),
     ("bins(2) = 3", "bins(2) = 2000000000", "more memory than this machine has"),
-    (
-        "bins(2) = 3",
-        "bins(2) = 5000000 bins(1) = 1000",
-        "more than this machine has",
-        "use fewer bins",
-    ),
+    ("bins(2) = 3", "bins(2) = 5000000 bins(1) = 1000", "than this machine has", "use fewer bins"),
     ("from(2) = 0.1", "from(2) = 1.4999999999999998", "narrower than the spacing"),
     ("from(2) = 0.1  to(2) = 1.5", "from(2) = -1.7e308  to(2) = 1.7e308", "too far apart"),
     (OVER, "", "described, but not what they are over"),
-]
-OTHERS_REFUSED = [
     (QUANTILES, "quantiles = 0.5, 1.5", "must be in [0, 1]"),
     (QUANTILES, "quantiles = 0.5, 0.5", "do not increase"),
     (BINS, "", "there are no bins"),
     ("'bins' /", "'some' /", "all", "bins"),
     ("&output columns", "&output rows = 'none' columns", "there are no rows to have columns"),
 ]
+REFUSED = [(MAP, *row) for row in REFUSED] + [
+    (SLOW, SLOW[SLOW.index("&statistics") :], NONE, "nothing would be written"),
+    (SLOW, ROWS, "rows = 'some'", "all", "none"),
+    (SINGLE, NONE, "", "a trajectory has no statistics", "study.kind = 'sweep'"),
+    (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, "a trajectory always has its rows"),
+]
 
 
-def check_refused(spin, text, old, new, *words):
-    """The input with this change is refused with these words, and the place."""
+@each("row", *REFUSED)
+def test_what_is_refused(spin, row):
+    text, old, new, *words = row
     assert old in text
     spin.write(text.replace(old, new), "map.nml")
     said = spin.refuse("map.nml")
@@ -313,31 +291,7 @@ def check_refused(spin, text, old, new, *words):
         assert word in said
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [(old, new, words) for old, new, *words in COLUMNS_REFUSED + BINS_REFUSED + OTHERS_REFUSED],
-)
-def test_what_is_refused(spin, old, new, words):
-    """Columns, bins and their ranges, quantiles: what is wrong, where, what would be right."""
-    check_refused(spin, MAP, old, new, *words)
-
-
-@pytest.mark.parametrize(
-    ("text", "old", "new", "words"),
-    [
-        (SLOW, SLOW[SLOW.index("&statistics") :], NONE, ["nothing would be written"]),
-        (SLOW, ROWS, "rows = 'some'", ["all", "none"]),
-        (SINGLE, NONE, "", ["a trajectory has no statistics", "study.kind = 'sweep'"]),
-        (SINGLE, SINGLE[SINGLE.index("&statistics") :], NONE, ["a trajectory always has its rows"]),
-    ],
-)
-def test_rows_that_are_refused(spin, text, old, new, words):
-    """They are left out only where something else is written; only sweeps have statistics."""
-    check_refused(spin, text, old, new, *words)
-
-
 def test_check(spin):
-    """--check tells bins and memory, and its namelist is complete."""
     said = swept(spin, MAP, "--check").out
     assert "statistics 12 bins, 4 columns, about " in said
     assert "MB of memory" in said
@@ -346,7 +300,7 @@ def test_check(spin):
     spin(said[said.index("&study") :], "--check", name="again")
 
 
-@pytest.mark.parametrize("bins", [3, 60])
+@each("bins", 3, 60)
 def test_bytes_of_the_tables(spin, bins):
     """--check tells them: at most, and no more than some times what is then written."""
     text = BARE.replace("quantiles_of = 'bins'", "").replace("bins(2) = 3", f"bins(2) = {bins}")

@@ -2,9 +2,7 @@
 
 import re
 
-import pytest
-
-from conftest import MPI, needs_mpi, texts, under
+from conftest import MPI, each, needs_mpi, texts, under
 
 BODY = """
 &top mass = 1  inertia = 1, 1.5, 2.25  centre_of_mass = 0.1, 0.05, 0.2 /
@@ -34,7 +32,6 @@ BEST = {"method", "formulation", "setting", "value", "error", "evaluations"}
 
 
 def compute(spin, text, folder, *options, ranks=0):
-    """Run a study into a folder, and give what it says."""
     scene = spin.write(text, "study.nml")
     words = [scene, "-o", folder, *options]
     if not ranks:
@@ -63,14 +60,12 @@ def check_same(spin, found, whole, varying=TIMED):
     assert tables[0].equals(tables[1])
 
 
-@pytest.mark.parametrize(
-    ("text", "parts", "varying"),
-    [
-        (PRECISION, 2, TIMED),  # a problem is a case
-        (PRECISION, 4, TIMED),  # one of the parts is empty
-        (STABILITY, 3, TIMED),  # a motion of the catalogue is a case
-        (BENCHMARK, 2, TIMED | BEST),  # which setting is the fastest depends on times
-    ],
+@each(
+    "text, parts, varying",
+    (PRECISION, 2, TIMED),  # a problem is a case
+    (PRECISION, 4, TIMED),  # one of the parts is empty
+    (STABILITY, 3, TIMED),  # a motion of the catalogue is a case
+    (BENCHMARK, 2, TIMED | BEST),  # which setting is the fastest depends on times
 )
 def test_parts(spin, text, parts, varying):
     """The merged parts are the whole, and byte for byte what the parts have."""
@@ -91,7 +86,6 @@ def test_parts(spin, text, parts, varying):
 
 
 def test_check(spin):
-    """--check tells of the part."""
     said = compute(spin, PRECISION, "none", "--check", "--shard", "2/2")
     assert "part 2 of 2: cases 3 to 3 of 3" in said
 
@@ -117,7 +111,7 @@ def test_refused(spin):
 
 
 @needs_mpi
-@pytest.mark.parametrize("text", [STABILITY, PRECISION, TRAJECTORY])
+@each("text", STABILITY, PRECISION, TRAJECTORY)
 def test_ranks(spin, text):
     """Ranks share the cases of a stability study; other studies are computed by the first."""
     said = compute(spin, text, "alone")
@@ -132,7 +126,6 @@ def test_ranks(spin, text):
 
 @needs_mpi
 def test_parts_by_ranks(spin):
-    """A part is shared out like a whole."""
     compute(spin, STABILITY, "alone", "--shard", "1/2")
     compute(spin, STABILITY, "ranks", "--shard", "1/2", ranks=2)
     check_same(spin, "ranks/study.1-of-2.csv", "alone/study.1-of-2.csv")

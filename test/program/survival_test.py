@@ -8,7 +8,7 @@ import time
 
 import pytest
 
-from conftest import GOOD, files_of, merge, netcdf_is_missing, wait_until
+from conftest import GOOD, each, files_of, merge, netcdf_is_missing, wait_until
 from slow_sweep import PATIENCE, SLOW, Sweep, undisturbed
 
 pytestmark = pytest.mark.slow
@@ -24,12 +24,10 @@ __attribute__((constructor)) static void begin(void) { signal(SIGHUP, nothing); 
 
 @pytest.fixture
 def slow(spin):
-    """The slow sweep."""
     return Sweep(spin)
 
 
 def size_of(path):
-    """The size of a file, which may come and go."""
     try:
         return path.stat().st_size
     except FileNotFoundError:
@@ -107,18 +105,16 @@ INDICES = (
 NETCDF = "output.format=netcdf"
 
 
-@pytest.mark.parametrize(
-    ("text", "table", "settings"),
-    [
-        (SLOW, "slow.csv", []),
-        (SLOW + GATHERED, "slow.csv", []),
-        (SLOW.replace("= 1000", "= 5000") + GATHERED + ALONE, "slow.statistics.csv", []),
-        (INDICES, "slow.csv", []),
-        (INDICES + ALONE, "slow.statistics.csv", []),
-        (SLOW, "slow.nc", [NETCDF]),
-        (SLOW, "slow.nc", [NETCDF, "output.compression=5"]),
-        (SLOW + GATHERED, "slow.nc", [NETCDF]),
-    ],
+@each(
+    "text, table, settings",
+    (SLOW, "slow.csv", []),
+    (SLOW + GATHERED, "slow.csv", []),
+    (SLOW.replace("= 1000", "= 5000") + GATHERED + ALONE, "slow.statistics.csv", []),
+    (INDICES, "slow.csv", []),
+    (INDICES + ALONE, "slow.statistics.csv", []),
+    (SLOW, "slow.nc", [NETCDF]),
+    (SLOW, "slow.nc", [NETCDF, "output.compression=5"]),
+    (SLOW + GATHERED, "slow.nc", [NETCDF]),
 )
 def test_killed_and_resumed(spin, text, table, settings):
     """Killed again and again, it has the bytes of a run that nothing stopped, and says so."""
@@ -141,7 +137,6 @@ def test_killed_and_resumed(spin, text, table, settings):
 
 
 def test_nothing_to_resume(slow):
-    """No part, or a part without a journal: the sweep starts anew, with a message."""
     for _ in range(2):
         said = slow("--resume")
         assert "nothing to resume: the run starts from the beginning" in said
@@ -150,7 +145,6 @@ def test_nothing_to_resume(slow):
 
 
 def test_failed_cases_of_an_earlier_run_count(spin):
-    """The exit code of a resumed run is that of the whole."""
     axis = "count(1) = 200, parameter(2) = 'initial.theta_deg', values(2,:) = 0, 20, 30, 40, 50"
     slow = Sweep(spin, SLOW.replace("theta_deg = 20", "").replace("count(1) = 1000", axis))
     slow.interrupt()
@@ -178,7 +172,6 @@ def test_nothing_is_discarded_unasked(slow):
 
 
 def test_a_merge_does_not_discard_an_interrupted_run(slow):
-    """It is refused, and works when the run has been completed."""
     for shard in ("1/2", "2/2"):
         slow("--shard", shard)
     names = slow.table, *(f"output/slow.{i}-of-2.csv" for i in (1, 2))
@@ -192,7 +185,6 @@ def test_a_merge_does_not_discard_an_interrupted_run(slow):
 
 
 def test_restart_takes_the_place_of_any_kind_of_run(slow):
-    """A trajectory under the name of an interrupted sweep leaves no journal behind."""
     slow.interrupt()
     slow.spin(GOOD, "output.file=slow.csv", "--restart")
     assert slow.rows == -1
@@ -225,7 +217,7 @@ def test_a_signal_says_what_is_kept_and_how_to_resume(slow):
     slow.check(place)
 
 
-@pytest.mark.parametrize("threads", ["1", "2"])
+@each("threads", "1", "2")
 def test_a_signal_in_the_midst_of_long_cases(spin, threads):
     """What was computed before is kept at once, although the next cases would take hours."""
     quick, slow = ", ".join(map(str, range(10, 26))), ", ".join(["1000000000"] * 16)
@@ -259,7 +251,6 @@ def test_a_signal_in_the_midst_of_long_cases(spin, threads):
 
 
 def test_a_handler_of_a_library_does_not_keep_a_signal(slow, preload):
-    """A hangup ends the run."""
     options = {"environment": preload(HANGUP), "preexec_fn": heed(signal.SIGHUP)}
     code, said = slow.interrupt(by=signal.SIGHUP, **options)
     assert code == -signal.SIGHUP, said
@@ -267,7 +258,6 @@ def test_a_handler_of_a_library_does_not_keep_a_signal(slow, preload):
 
 
 def test_a_signal_that_is_ignored_stays_so(slow):
-    """nohup has SIGHUP ignored."""
     ignore = {"preexec_fn": lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN)}
     code, said = slow.interrupt(by=signal.SIGHUP, **ignore)
     assert code == 0, said
@@ -306,7 +296,6 @@ def test_damage_and_strangers_are_refused(slow):
 
 
 def test_two_runs_at_once(slow):
-    """The second is refused, with --resume or without; the first goes on."""
     with slow.start() as first:
         slow.wait(first, 0)
         for words in ([], ["--resume"]):
@@ -316,7 +305,6 @@ def test_two_runs_at_once(slow):
 
 
 def test_a_file_that_may_not_grow(slow):
-    """Exit code 4 and a message; without the limit it goes on."""
     said = slow(code=4, preexec_fn=files_of(200_000))
     assert "slow.csv.part: File too large" in said
     assert len(slow.read(PART)) == 200_000
@@ -326,7 +314,6 @@ def test_a_file_that_may_not_grow(slow):
 
 
 def test_a_folder_removed_meanwhile(slow):
-    """Exit code 4, and a name."""
     with slow.start() as run:
         slow.wait(run, 0)
         slow.clear()
@@ -337,7 +324,6 @@ def test_a_folder_removed_meanwhile(slow):
 
 
 def test_folders_that_cannot_be_written(slow):
-    """Exit code 4 before anything is computed, on any way there."""
     slow("-o", "/proc/spintop", code=4)
     (slow.spin.folder / "output/slow.csv.journal.new").mkdir(parents=True)
     said = slow(code=4)

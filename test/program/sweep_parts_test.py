@@ -6,14 +6,13 @@ import re
 import pytest
 
 from axes_test import HYPERCUBE
-from conftest import CLOSED, EXE, GOOD, ROOT, merge
+from conftest import CLOSED, EXE, GOOD, ROOT, each, merge
 from indices_test import FAILING, VECTOR
 from slow_sweep import FAST, SLOW, STEPS, Sweep, undisturbed
 from statistics_test import BARE, MAP
 
 
 def parts_of(name, count):
-    """The tables of the parts of a sweep."""
     return [f"output/{name}.{i}-of-{count}.csv" for i in range(1, count + 1)]
 
 
@@ -24,33 +23,27 @@ CLOSED_FORMS = CLOSED.replace("    psi_rate = 1.0\n", "") + (
 FEW = VECTOR.replace("cases = 64", "cases = 12")  # a group of cases may lie in three parts
 
 
-@pytest.mark.parametrize(
-    ("text", "parts"),
-    [
-        (CLOSED_FORMS, 3),  # many blocks of cases
-        (SLOW.replace("= 1000", "= 210").replace(STEPS, "steps = 10"), 2),
-        (HYPERCUBE, 3),
-        (HYPERCUBE.replace("latin_hypercube", "random"), 3),
-        (MAP, 3),
-        (BARE, 2),
-        (FAILING, 7),
-        (FEW, 7),
-        (FEW, 13),  # a part may be empty
-    ],
+@each(
+    "text, parts",
+    (CLOSED_FORMS, 3),  # many blocks of cases
+    (SLOW.replace("= 1000", "= 210").replace(STEPS, "steps = 10"), 2),
+    (HYPERCUBE, 3),
+    (HYPERCUBE.replace("latin_hypercube", "random"), 3),
+    (MAP, 3),
+    (BARE, 2),
+    (FAILING, 7),
+    (FEW, 7),
+    (FEW, 13),  # a part may be empty
 )
 def test_threads_and_parts(spin, text, parts):
     """The same bytes, of statistics too, on any threads, and merged from parts in any order."""
     failing = (0, 3)
     for n in (1, 2, 5):
         spin(text, f"--threads={n}", f"--output={n}", code=failing)
-    for part in range(1, parts + 1):
-        spin(text, f"--shard={part}/{parts}", "--output=parts", code=failing)
     kind = "statistics." * ("rows = 'none'" in text)
-    names = [
-        f"parts/scene.{i}-of-{parts}.{kind}{'state' if kind else 'csv'}"
-        for i in range(parts, 0, -1)
-    ]
-    spin.call("merge", f"parts/scene.{kind}csv", *names, code=failing)
+    ending = "statistics.state" if kind else "csv"
+    names = spin.parts(text, parts, "--output=parts", ending=ending, code=failing)
+    spin.call("merge", f"parts/scene.{kind}csv", *reversed(names), code=failing)
     tables = {path.name: path.read_bytes() for path in (spin.folder / "1").glob("*.csv")}
     for folder in ("2", "5", "parts"):
         for name, content in tables.items():
@@ -59,7 +52,6 @@ def test_threads_and_parts(spin, text, parts):
 
 @pytest.mark.slow
 def test_three_parts_make_the_whole(spin):
-    """The same bytes, though one part was killed; in any order."""
     slow = Sweep(spin, table="output/slow.2-of-3.csv")
     one, two, three = parts_of("slow", 3)
     slow("--shard", "1/3")
@@ -108,7 +100,6 @@ def test_parts_that_do_not_fit(spin):
 
 
 def test_resume_and_shard_are_not_for_all_studies(spin):
-    """A trajectory has no parts, a stability study no journal."""
     assert "--shard is not for trajectories" in spin.refuse(GOOD, "--shard=1/2")
     said = spin.refuse(GOOD, "--resume", "study.kind=stability")
     assert "--resume is for sweeps and trajectories" in said
@@ -173,14 +164,12 @@ echo 17
 GATHERED = FAST + "&statistics columns = 'theta_max', over = 'initial.psi_rate', bins = 7 /\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "parts", "names", "jobs"),
-    [
-        (FAST + "&output file = 'named.csv' /\n", "4", ["named.csv"], 2),
-        (FAST + "&output file = 'named.csv' /\n", "mpi", ["named.csv"], 1),
-        (GATHERED, "3", ["scene.csv", "scene.statistics.csv"], 2),
-        (GATHERED + "&output rows = 'none' /\n", "3", ["scene.statistics.csv"], 2),
-    ],
+@each(
+    "text, parts, names, jobs",
+    (FAST + "&output file = 'named.csv' /\n", "4", ["named.csv"], 2),
+    (FAST + "&output file = 'named.csv' /\n", "mpi", ["named.csv"], 1),
+    (GATHERED, "3", ["scene.csv", "scene.statistics.csv"], 2),
+    (GATHERED + "&output rows = 'none' /\n", "3", ["scene.statistics.csv"], 2),
 )
 def test_a_job_array(spin, text, parts, names, jobs):
     """The script for Slurm, where jobs get no environment: an array, MPI, statistics."""
@@ -192,7 +181,7 @@ def test_a_job_array(spin, text, parts, names, jobs):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("parts", "jobs"), [("2", 2), ("mpi", 1)])
+@each("parts, jobs", ("2", 2), ("mpi", 1))
 def test_a_job_out_of_time_is_queued_again(spin, parts, jobs):
     """The warning ends each task with its rows kept; it requeues itself, and goes on."""
     said, calls = submit(spin, spin.write(SLOW, "slow.nml"), parts, warn=True)

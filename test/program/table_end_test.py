@@ -8,24 +8,18 @@ from pathlib import Path
 
 import pytest
 
-from conftest import MISSING, Spin, merge
+from conftest import MISSING, Spin, each, merge, needs_netcdf
 from safe_files_test import STUDIES, files_of_study, run_study
 from spintop_figures.tables.table import TableError, read_table
 
 END = re.compile(rb"# end: (\d+) rows, CRC-32 ([0-9A-F]{8})\n")
 RESUMED = ("sweep", "statistics", "both", "trajectory")
 """Studies with --resume whose tables are text."""
-STATES = {
-    "sweep": [],
-    "statistics": [(".part", ".state1", ".state2"), (".state1",)],
-    "both": [(".part", ".state1", ".state2"), (".state2",)],
-    "trajectory": [],
-}
-"""Files of the state that an interrupted run of each may leave."""
+STATES = [(".part", ".state1", ".state2"), (".state1",), (".state2",)]
+"""Files of the state that an interrupted run of statistics may leave."""
 
 
 def parts_of(table: bytes) -> tuple[list[bytes], list[bytes]]:
-    """The lines to that of the names, and those after it."""
     lines = table.splitlines(keepends=True)
     first = next(i for i, line in enumerate(lines) if not line.startswith(b"#"))
     return lines[: first + 1], lines[first + 1 :]
@@ -78,7 +72,7 @@ def check_end(path: Path) -> None:
     assert int(match[2], 16) == zlib.crc32(b"".join([head[-1], *rest[:-1]]))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in STUDIES if not kind.endswith("netcdf")])
+@each("kind", *[kind for kind in STUDIES if not kind.endswith("netcdf")])
 def test_every_table(spin, kind):
     """Each table that a study makes has it, and what reads tables finds it right."""
     tables = [path for path in files_of_study(spin, kind) if path.suffix == ".csv"]
@@ -101,7 +95,7 @@ def each_damage(spin: Spin, kind: str) -> Iterator[tuple[Path, str, bytes, int |
             path.write_bytes(table)
 
 
-@pytest.mark.parametrize("kind", RESUMED)
+@each("kind", *RESUMED)
 def test_resume(spin, kind):
     """A table that was cut or changed is not complete; --restart makes it again."""
     for path, how, text, row in each_damage(spin, kind):
@@ -113,7 +107,7 @@ def test_resume(spin, kind):
     run_study(spin, kind, "--resume")
 
 
-@pytest.mark.parametrize("kind", RESUMED)
+@each("kind", *RESUMED)
 def test_leftovers(spin, kind):
     """What interrupted runs have left beside a complete table goes when it is resumed."""
     files = files_of_study(spin, kind)
@@ -121,7 +115,8 @@ def test_leftovers(spin, kind):
     for path in tables or [path for path in files if path.name.endswith("statistics.csv")]:
         left = [(".part",), (".new",)]
         if "events" not in path.name:
-            left += [(".journal",), (".journal.new",), (".part", ".new"), *STATES[kind]]
+            left += [(".journal",), (".journal.new",), (".part", ".new")]
+            left += STATES * (kind in ("statistics", "both"))
         for endings in left:
             for ending in endings:
                 Path(f"{path}{ending}").write_text("# nothing\n")
@@ -129,12 +124,9 @@ def test_leftovers(spin, kind):
             assert sorted((spin.folder / "output").iterdir()) == files, endings
 
 
-@pytest.mark.parametrize("kind", ["sweep", "stability"])
+@each("kind", "sweep", "stability")
 def test_merge(spin, kind):
-    """A part that was cut or changed is refused by its name."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, kind, f"--shard={part}")
-    names = "all.csv", *(f"output/{kind}.{i}-of-2.csv" for i in (1, 2))
+    names = "all.csv", *spin.parts(STUDIES[kind], 2, name=kind)
     path = spin.folder / names[-1]
     table = path.read_bytes()
     for how, text, row in damages(table):
@@ -148,7 +140,7 @@ def test_merge(spin, kind):
     check_end(spin.folder / "all.csv")
 
 
-@pytest.mark.parametrize("kind", ["sweep_netcdf", "sweep_packed_netcdf", "trajectory_netcdf"])
+@each("kind", "sweep_netcdf", "sweep_packed_netcdf", "trajectory_netcdf")
 def test_netcdf(spin, kind):
     """The attribute of a NetCDF table; one that was changed is refused by all that read it."""
     path = run_study(spin, kind).path.with_suffix(".nc")
@@ -164,11 +156,9 @@ def test_netcdf(spin, kind):
     assert "was changed after it was written" in run_study(spin, kind, "--resume", code=2).stderr
 
 
+@needs_netcdf
 def test_netcdf_parts(spin):
-    """A merged table has it, too; a part that was changed is refused."""
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep_netcdf", f"--shard={part}")
-    names = "all.nc", *(f"output/sweep_netcdf.{i}-of-2.nc" for i in (1, 2))
+    names = "all.nc", *spin.parts(STUDIES["sweep_netcdf"], 2, ending="nc")
     merge(spin, *names)
     assert read_table(spin.folder / "all.nc").note == ""
     path = spin.folder / names[-1]
@@ -176,7 +166,7 @@ def test_netcdf_parts(spin):
     assert "was changed after it was written" in merge(spin, *names, code=2)
 
 
-@pytest.mark.parametrize("kind", ["sweep", "trajectory"])
+@each("kind", "sweep", "trajectory")
 def test_readers(spin, kind):
     """Python and the program refuse what was changed, and read what has no such line."""
     for path, how, text, _ in each_damage(spin, kind):
@@ -199,9 +189,7 @@ def test_lines_from_elsewhere(spin):
     """Tables with CR LF and a byte order mark are read as those with LF by all readers."""
     motion = f"{TOP.format(14)}&span t_end = 2, samples = 21 /\n"
     spin(motion, "output.columns=t,theta,psi", name="motion")
-    for part in ("1/2", "2/2"):
-        run_study(spin, "sweep", f"--shard={part}")
-    parts = [f"output/sweep.{i}-of-2.csv" for i in (1, 2)]
+    parts = spin.parts(STUDIES["sweep"], 2)
     fit = spin.write(f"&study kind = 'fit' /\n{TOP.format(13.9)}&fit {KEYS} /\n", "sought.nml")
     mark, found = b"\xef\xbb\xbf", []
     for begin, end in ((b"", b"\n"), (b"", b"\r\n"), (mark, b"\r\n"), (mark, b"\n")):

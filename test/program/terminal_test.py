@@ -10,7 +10,7 @@ import termios
 
 import pytest
 
-from conftest import CLOSED, EXE, GOOD, ROOT
+from conftest import CLOSED, EXE, GOOD, ROOT, each
 
 COLUMNS = 60
 ESCAPE = "\x1b["
@@ -18,21 +18,14 @@ SLOW_TOP = ROOT / "input/slow_top.nml"
 
 
 def show(spin, *words, columns=COLUMNS, **environment):
-    """Run the program on a terminal; what it shows."""
     try:
         ours, its = pty.openpty()
     except OSError as error:
         pytest.skip(f"no terminal can be opened: {error}")
     fcntl.ioctl(its, termios.TIOCSWINSZ, struct.pack("HHHH", 24, columns, 0, 0))
     known = {key: value for key, value in os.environ.items() if key != "NO_COLOR"}
-    process = subprocess.Popen(
-        [EXE, *words],
-        cwd=spin.folder,
-        env=known | {"TERM": "xterm"} | environment,
-        stdout=its,
-        stderr=its,
-        close_fds=True,
-    )
+    given = {"cwd": spin.folder, "env": known | {"TERM": "xterm"} | environment}
+    process = subprocess.Popen([EXE, *words], stdout=its, stderr=its, **given)
     os.close(its)
     shown = b""
     while True:
@@ -49,7 +42,6 @@ def show(spin, *words, columns=COLUMNS, **environment):
 
 
 def widest(lines):
-    """The length of the longest line."""
     return max(map(len, lines))
 
 
@@ -94,19 +86,13 @@ def test_colours(spin):
     assert ESCAPE not in spin.call(wrong, code=2).stderr
 
 
-def test_topics(spin):
-    """The topics are as wide as the terminal."""
-    assert widest(show(spin, "list").splitlines()) <= COLUMNS
-
-
 def test_summary(spin):
-    """The summary of a run is as wide as the terminal."""
     shown = show(spin, "--quiet", SLOW_TOP, "--set", "span.samples=11")
     assert widest(line for line in shown.splitlines() if line.startswith("  ")) <= COLUMNS
     assert "status    ok at t" in shown
 
 
-@pytest.mark.parametrize("width", [100, COLUMNS])
+@each("width", 100, COLUMNS)
 def test_progress(spin, width):
     """A bar that is overwritten, in a line that has room."""
     settings = ["sweep.count(1)=60", "sweep.count(2)=50", "integration.method=rk4"]
@@ -122,7 +108,7 @@ def test_progress(spin, width):
         assert len(line.partition(ESCAPE)[0]) < width
 
 
-@pytest.mark.parametrize("columns", [50, 72, 120])
+@each("columns", 50, 72, 120)
 def test_width_of_messages(spin, columns):
     """Words are wrapped; the line with the place stays one, for tools."""
     wide = spin.refuse(GOOD.replace("mass", "masss").replace("'rk4'", "'nonsensical'"))
@@ -135,11 +121,11 @@ def test_width_of_messages(spin, columns):
     assert "".join(shown.split()) == "".join(wide.split())
 
 
-@pytest.mark.parametrize("topic", ["columns", "methods", "parameters", "events"])
+@each("topic", "", "columns", "methods", "parameters", "events")
 def test_width_of_lists(spin, topic):
     """Lists are wrapped on a terminal, and have the same words for other programs."""
-    shown = show(spin, "list", topic, columns=70, NO_COLOR="1")
-    assert "".join(shown.split()) == "".join(spin.call("list", topic).out.split())
+    shown = show(spin, "list", *topic.split(), columns=70, NO_COLOR="1")
+    assert "".join(shown.split()) == "".join(spin.call("list", *topic.split()).out.split())
     assert widest(shown.splitlines()) <= 70
 
 
@@ -161,10 +147,9 @@ def check(said):
     assert not any(line.startswith(("b ", "b\t", "b?")) for line in said.splitlines())
 
 
-@pytest.mark.parametrize("text", [GOOD, SWEEP])
-@pytest.mark.parametrize("options", [[], ["--check"], ["--progress"]])
+@each("text", GOOD, SWEEP)
+@each("options", [], ["--check"], ["--progress"])
 def test_every_kind_of_study(spin, text, options):
-    """Summaries, the explanation of --check, which is an input, and progress."""
     run = spin.call(spin.write(text, NAME), *options)
     check(run.out)
     if run.stderr:
@@ -174,7 +159,6 @@ def test_every_kind_of_study(spin, text, options):
 
 
 def test_messages(spin):
-    """Errors in a file, and two files of one table."""
     check(spin.call(spin.write(GOOD.replace("mass", "maas"), NAME), code=2).stderr)
     scene = spin.write(GOOD, NAME)
     check(spin.call(scene, scene, code=2).stderr)
@@ -188,15 +172,13 @@ FIT = CLOSED + STUDY.format("fit") + "&fit data = 'scene.csv', unknown = 'initia
 ANGLES = "t,phi,theta,psi\n0,0,0.2,0\n0.1,0,0.2,0.1\n0.2,0,0.2,0.2\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "table"),
-    [
-        (CLOSED + "&effects torque_table = 'scene.csv' /\n", "t,m1,m2,m3\n0,0,0,0\n1,0,0,0\n"),
-        (CASES, "initial.psi_rate\n1\n2\n"),
-        (CASES + "&output file = 'scene.csv' /\n", "initial.psi_rate\n1\n2\n"),
-        (PRECISION, ""),
-        (FIT, ANGLES),
-    ],
+@each(
+    "text, table",
+    (CLOSED + "&effects torque_table = 'scene.csv' /\n", "t,m1,m2,m3\n0,0,0,0\n1,0,0,0\n"),
+    (CASES, "initial.psi_rate\n1\n2\n"),
+    (CASES + "&output file = 'scene.csv' /\n", "initial.psi_rate\n1\n2\n"),
+    (PRECISION, ""),
+    (FIT, ANGLES),
 )
 def test_what_is_read_is_not_replaced(spin, text, table):
     """By no table: cases, torques, measurements, a reference."""
@@ -208,24 +190,17 @@ def test_what_is_read_is_not_replaced(spin, text, table):
     assert (spin.folder / "scene.csv").read_text() == table
 
 
-@pytest.mark.parametrize("name", ["scene.csv", "scene.log"])
-def test_inputs_are_not_replaced(spin, name):
-    """An input, whatever its name, by its table or its log."""
-    scene = spin.folder / spin.write(SWEEP, name)
-    assert "would replace" in spin.refuse(scene, "--output=.")
-
-
-def test_other_inputs_are_not_replaced(spin):
-    """One input by the table of another."""
+def test_inputs_are_not_replaced(spin):
+    """An input by its table or its log, one by the table of another."""
+    for name in ("scene.csv", "scene.log"):
+        scene = spin.folder / spin.write(SWEEP, name)
+        assert "would replace" in spin.refuse(scene, "--output=.")
     names = spin.write(GOOD, "other.nml"), spin.write(GOOD, "other.csv")
     spin.call(*names, "--set=output.file=x", "--output=.", code=2)
     assert (spin.folder / "other.csv").read_text() == GOOD
 
 
-@pytest.mark.parametrize(
-    ("name", "file"), [("spin_1.5", "spin_1.5.csv"), ("a.csv", "a.csv"), ("b.v2.csv", "b.v2.csv")]
-)
+@each("name, file", ("spin_1.5", "spin_1.5.csv"), ("a.csv", "a.csv"), ("b.v2.csv", "b.v2.csv"))
 def test_points_in_the_name_of_a_table(spin, name, file):
-    """Only the ending of its format is one."""
     spin(MOTION, f"output.file={name}")
     assert (spin.folder / "output" / file).exists()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import largest, output
+from conftest import each, largest, output
 from effects_test import FREE, OMEGA, SKEW, Q, move, refused, scene, tolerant
 
 A, B, W, F = 0.05, 0.4, 7.3, 0.6
@@ -22,16 +22,14 @@ HEAD = "t,m1,m2,m3\n"
 
 
 def integral(t):
-    """The integral of A + B cos(W t + F)."""
     return A * t + B / W * (np.sin(W * t + F) - math.sin(F))
 
 
 def check(values, expected, tolerance):
-    """All numbers are as expected."""
     assert list(values) == pytest.approx(list(expected), abs=tolerance)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", *METHODS)
 def test_about_an_axis_of_the_body(spin, method):
     """The spin has the integral of the torque, and the work its energy."""
     how, tolerance = METHODS[method]
@@ -45,7 +43,7 @@ def test_about_an_axis_of_the_body(spin, method):
     assert largest(rows.energy_error) < 10 * tolerance
 
 
-@pytest.mark.parametrize("method", METHODS)
+@each("method", *METHODS)
 def test_about_axes_of_space(spin, method):
     """The momentum of a sphere in space has the integral of the torque, whatever its attitude."""
     how, tolerance = METHODS[method]
@@ -104,22 +102,19 @@ def test_sweep_from_zero(spin):
     assert ends[1] - ends[0] == pytest.approx(angle, abs=1e-8)
 
 
-@pytest.mark.parametrize(
-    ("effects", "word"),
-    [
-        ("torque_body_amplitude = 0, 0, 1", "torque_body_rate"),
-        ("torque_space_rate = 1", "torque_space_amplitude"),
-        ("torque_body_phase = 0, 0, 1", "torque_body_amplitude"),
-        ("torque_body_amplitude = 0, 0, 1  torque_body_rate = 0", "> 0"),
-        (
-            "torque_space_amplitude = 0, 0, 1  torque_space_rate = 1  torque_space_phase = 0, 0, 1"
-            "  torque_space_phase_deg = 0, 0, 1",
-            "given twice",
-        ),
-    ],
+@each(
+    "effects, word",
+    ("torque_body_amplitude = 0, 0, 1", "torque_body_rate"),
+    ("torque_space_rate = 1", "torque_space_amplitude"),
+    ("torque_body_phase = 0, 0, 1", "torque_body_amplitude"),
+    ("torque_body_amplitude = 0, 0, 1  torque_body_rate = 0", "> 0"),
+    (
+        "torque_space_amplitude = 0, 0, 1  torque_space_rate = 1  torque_space_phase = 0, 0, 1"
+        "  torque_space_phase_deg = 0, 0, 1",
+        "given twice",
+    ),
 )
 def test_bad_harmonics(spin, effects, word):
-    """What is missing beside an amplitude, a rate or a phase is named."""
     text = scene(FREE, "theta = 1  psi_rate = 10", "t_end = 1", effects)
     refused(spin, text, "scene.nml:4", word)
 
@@ -127,14 +122,8 @@ def test_bad_harmonics(spin, effects, word):
 STEPS = "t,m1,m2,m3\n0,0,0,0.3\n1,0,0,0.3\n1,0,0,-0.2\n2.5,0,0,-0.2\n2.5,0,0,0.5\n4,0,0,0.5\n"
 
 
-def spin_under_steps(t):
-    """The integral of the torques of that table, from 1 rad/s, of a body with 0.3 kg m^2."""
-    changes = 0.3 * np.minimum(t, 1) - 0.2 * np.clip(t - 1, 0, 1.5) + 0.5 * np.maximum(t - 2.5, 0)
-    return 1 + changes / 0.3
-
-
-@pytest.mark.parametrize("method", ["taylor", "taylor_quadruple", "dop853", "ode45", "arkode"])
-@pytest.mark.parametrize("end", ["4", "2.5", "3.3"])
+@each("method", "taylor", "taylor_quadruple", "dop853", "ode45", "arkode")
+@each("end", "4", "2.5", "3.3")
 def test_jumps(spin, method, end):
     """Steps end where the torque jumps, and each sees the torque of its side."""
     how, _ = METHODS.get(method, (tolerant(method, 1e-6), 0))
@@ -142,13 +131,15 @@ def test_jumps(spin, method, end):
     text = scene(FREE, start, span, "torque_table = 'torque.csv'", how)
     rows = move(spin, text, torque=STEPS).rows
     assert rows.t.iloc[-1] == float(end)
-    omega3 = spin_under_steps(rows.t)
+    t = rows.t  # the integral of the torques, from 1 rad/s, of a body with 0.3 kg m^2
+    changes = 0.3 * np.minimum(t, 1) - 0.2 * np.clip(t - 1, 0, 1.5) + 0.5 * np.maximum(t - 2.5, 0)
+    omega3 = 1 + changes / 0.3
     check(rows.omega3, omega3, 2e-14)
     check(rows.work_torque, 0.15 * (omega3**2 - 1), 1e-14)
 
 
-@pytest.mark.parametrize("kind", ["linear", "monotone", "spline"])
-@pytest.mark.parametrize("axes", ["body", "space"])
+@each("kind", "linear", "monotone", "spline")
+@each("axes", "body", "space")
 def test_jumps_of_a_tumbling_body(spin, kind, axes):
     """Jumps are those of motions that end and begin there, in every kind of piece."""
     rows = ["0,1,0,0", "1,0,1,0", "2,0,0,1", "3,1,1,0"]
@@ -183,16 +174,19 @@ def test_jumps_over_friction(spin):
         assert any(other == name and abs(at - t) < 1e-7 for other, at in found), found
 
 
-@pytest.mark.parametrize(
-    ("rows", "interpolation", "words"),
-    [
-        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n1,0,0,2\n2,0,0,1\n", "linear", "do not increase"),
-        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n", "linear", "up to a jump, has 1 rows"),
-        ("0,0,0,0\n1,0,0,0\n1,0,0,1\n2,0,0,1\n3,0,0,1\n", "monotone", "from t = 0 to 1"),
-    ],
+@each(
+    "rows, interpolation, words",
+    ("0,0,0,0\n", "linear", ("torque.csv", "2")),
+    ("0,0,0,0\n0,0,0,1\n", "linear", ("torque.csv", "do not increase")),
+    ("0.1,0,0,0\n2,0,0,1\n", "linear", ("torque.csv", "begins at")),
+    ("0,0,0,0\n0.5,0,0,1\n", "linear", ("torque.csv", "ends at")),
+    ("0,0,0,nan\n1,0,0,1\n", "linear", ("torque.csv", "not finite")),
+    ("0,0,0,x\n1,0,0,1\n", "linear", ("torque.csv", "is not a number")),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n1,0,0,2\n2,0,0,1\n", "linear", ("do not increase",)),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n", "linear", ("up to a jump, has 1 rows",)),
+    ("0,0,0,0\n1,0,0,0\n1,0,0,1\n2,0,0,1\n3,0,0,1\n", "monotone", ("from t = 0 to 1",)),
 )
-def test_bad_jumps(spin, rows, interpolation, words):
-    """Three rows of one time, and pieces with too few rows, are refused."""
+def test_bad_tables(spin, rows, interpolation, words):
     effects = f"torque_table = 'torque.csv'  torque_interpolation = '{interpolation}'"
     text = scene(FREE, "theta = 1  psi_rate = 1", "t_end = 1", effects)
-    refused(spin, text, words, torque=HEAD + rows)
+    refused(spin, text, *words, torque=HEAD + rows)

@@ -1,21 +1,17 @@
 """A run prints what a person reads; the rest with --verbose."""
 
-import pytest
-
-from conftest import CLOSED, Spin
+from conftest import CLOSED, Spin, each
 
 MOST = 10
 EVENTS = "&output columns = 't', 'theta' events = 'turning_points' /\n"
 SWEEP = "&study kind = 'sweep' /\n&sweep parameter = 'top.mass' from = 1 to = 9 count = 5 /\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "details"),
-    [
-        (CLOSED + EVENTS, ("model", "constants", "fast top", "cost")),
-        (CLOSED + "&integration method = 'dop853' /\n", ("model", "constants", "fast top", "cost")),
-        (CLOSED + SWEEP, ("model", "ended", "parts", "memory")),
-    ],
+@each(
+    "text, details",
+    (CLOSED + EVENTS, ("model", "constants", "fast top", "cost")),
+    (CLOSED + "&integration method = 'dop853' /\n", ("model", "constants", "fast top", "cost")),
+    (CLOSED + SWEEP, ("model", "ended", "parts", "memory")),
     ids=["trajectory", "integrated", "sweep"],
 )
 def test_details(spin: Spin, text: str, details: tuple[str, ...]) -> None:

@@ -2,9 +2,7 @@
 
 import math
 
-import pytest
-
-from conftest import largest
+from conftest import each, largest
 from proof_test import needs_flint
 
 pytestmark = needs_flint
@@ -35,7 +33,6 @@ ABOUT_X = """\
 
 
 def verify(spin, name, code=0):
-    """What is said of a table."""
     run = spin.call("verify", f"output/{name}.csv", code=code)
     return run.out + run.stderr
 
@@ -54,39 +51,32 @@ class Table:
         self.status = rest[len(self.rows) :]
 
     def edited(self, row, name, cell):
-        """The rows with another cell."""
         cells = self.rows[row].rstrip("\n").split(",")
         cells[self.names.index(name)] = cell
         return [*self.rows[:row], ",".join(cells) + "\n", *self.rows[row + 1 :]]
 
     def wrong(self, rows, words, status=None):
-        """These rows are wrong, and the message has these words."""
         status = self.status if status is None else status
         self.spin.write("".join([*self.head, *rows, *status]), "output/edited.csv")
         assert f"first wrong  {words}" in verify(self.spin, "edited", code=3)
 
 
 def rows_of(lines):
-    """The lines that are no comments."""
     return [line for line in lines if not line.startswith("#")]
 
 
 def test_parts_of_a_sweep(spin):
-    """Numbers are counted in parts as in the whole."""
-    for part in (1, 2, 3):
-        spin(SWEEP, f"--shard={part}/3")
+    spin.parts(SWEEP, 3)
     counted = [verify(spin, f"scene.{i}-of-3").split()[1] for i in (1, 2, 3)]
     spin(SWEEP)
     total = f"{sum(map(int, counted))} numbers proved, 0 unproved, 0 wrong"
     assert total in verify(spin, "scene")
 
 
-@pytest.mark.parametrize(
-    ("columns", "count", "name", "change"),
-    [
-        ([], 25, "q0", lambda x: -x),
-        (["output.columns=t,theta,phi,psi"], 15, "phi", lambda x: x + 2 * math.pi),
-    ],
+@each(
+    "columns, count, name, change",
+    ([], 25, "q0", lambda x: -x),
+    (["output.columns=t,theta,phi,psi"], 15, "phi", lambda x: x + 2 * math.pi),
 )
 def test_free_body(spin, columns, count, name, change):
     """The quaternion is proved with its sign; phi and psi are with their turns."""
@@ -107,33 +97,27 @@ def test_axis_x(spin):
 
 
 def test_inputs(spin):
-    """Those that come with the program and need FLINT."""
     assert largest(spin("certified_top").rows.theta_bound) < 4e-16
     assert "707 numbers proved, 0 unproved, 0 wrong" in verify(spin, "certified_top")
     assert 1e-4 < largest(spin("uncertain_top").rows.orientation_bound) < 1e-3
     assert " 0 wrong" in verify(spin, "uncertain_top")
 
 
-@pytest.mark.parametrize(
-    ("radius", "words"),
-    [
-        ("uncertainty.initial.theta=1e-9", "the attitude is given by a quaternion"),
-        ("uncertainty.initial.phi_rate=1e-9", "the angular velocity is given by omega"),
-    ],
+@each(
+    "radius, words",
+    ("uncertainty.initial.theta=1e-9", "the attitude is given by a quaternion"),
+    ("uncertainty.initial.phi_rate=1e-9", "the angular velocity is given by omega"),
 )
 def test_uncertainty_of_what_is_not_given(spin, radius, words):
-    """It is refused with what is given instead."""
     assert words in spin.refuse(FREE, "--check", radius, "output.columns=t,theta,theta_bound")
 
 
-@pytest.mark.parametrize(
-    ("effect", "most", "proved"),
-    [
-        ("rotor_momentum = 0.1, 0, 0", 1e-14, 25),
-        # The error of the integration; of the others nothing is claimed.
-        ("rotor_momentum = 0, 0, 0.1", 1e-8, 5),
-        ("friction_torque = 0.01", math.inf, 0),
-    ],
+@each(
+    "effect, most, proved",
+    ("rotor_momentum = 0.1, 0, 0", 1e-14, 25),
+    # The error of the integration; of the others nothing is claimed.
+    ("rotor_momentum = 0, 0, 0.1", 1e-8, 5),
+    ("friction_torque = 0.01", math.inf, 0),
 )
 def test_effects(spin, effect, most, proved):
     """A rotor, by the exact solution on the axis, integrated on another; no dry friction."""
@@ -198,7 +182,6 @@ def test_edited_trajectories(spin):
 
 
 def test_damaged_tables(spin):
-    """What is no table of the program any more is refused."""
     text = spin(FREE).path.read_text()
     rows = rows_of(text.splitlines(keepends=True))
     for damaged, words in (

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import pandas as pd
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, each
 
 NAME = "work_precision_slow_top"
 SLOW_TOP = (ROOT / f"input/{NAME}.nml").read_text()
@@ -20,18 +20,14 @@ ANGLES = ("phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
 
 
 class Study(NamedTuple):
-    """The rows of a study, and what the program says of it."""
-
     rows: pd.DataFrame
     said: str
 
     def of(self, method):
-        """The rows of a method by setting."""
         return self.rows[self.rows.method == method].set_index("setting")
 
 
 def study(spin, scene, methods, *settings, code=0):
-    """Compute a study of methods, with settings of its group."""
     settings = [f"work_precision.{setting}" for setting in (f"methods={methods}", *settings)]
     run = spin(scene, *settings, code=code)
     return Study(run.rows, run.out)
@@ -77,13 +73,11 @@ def test_steps_alone(spin):
     assert coarse / fine > 2**4
 
 
-@pytest.mark.parametrize(
-    ("tolerances", "methods", "code", "failed"),
-    [
-        ("1e-12,1e-13", "dop853", 3, "all 2 runs: 2"),
-        ("1e-3,1e-12", "dop853", 0, "1 of 2 runs: 1"),
-        ("1e-12,1e-13", "dop853,rk4", 0, "2 of 3 runs: 2"),
-    ],
+@each(
+    "tolerances, methods, code, failed",
+    ("1e-12,1e-13", "dop853", 3, "all 2 runs: 2"),
+    ("1e-3,1e-12", "dop853", 0, "1 of 2 runs: 1"),
+    ("1e-12,1e-13", "dop853,rk4", 0, "2 of 3 runs: 2"),
 )
 def test_runs_that_fail(spin, tolerances, methods, code, failed):
     """Where all do, or some, the summary begins with it; steps that are given need no limit."""
@@ -109,7 +103,6 @@ def test_front(spin):
 
 
 def chosen(found):
-    """The rows that `auto` would take."""
     return found.rows[found.rows["auto"] == "yes"]
 
 
@@ -126,7 +119,6 @@ def test_what_auto_takes(spin):
 
 
 def motion(spin, columns, samples, *settings):
-    """The motion of the slow top as a trajectory."""
     kind = ("study.kind=trajectory", f"output.columns={columns}", f"span.samples={samples}")
     return spin(NAME, *kind, *settings)
 
@@ -145,7 +137,6 @@ def test_errors_of_columns_are_those_of_trajectories(spin):
 
 
 def test_any_body(spin):
-    """Without an exact motion the reference says how far two methods agree on it."""
     found = study(spin, SKEW, "exact,taylor,rkmk_4", "tolerances=1e-12", "steps=400")
     assert set(found.rows.method) == {"taylor", "rkmk_4"}
     for words in ("exact/", "omitted", "dop853 agrees"):
@@ -156,7 +147,6 @@ def test_any_body(spin):
 
 
 def test_stored_reference(spin):
-    """A trajectory that was stored gives the errors that the exact motion gives."""
     stored = motion(spin, "q0,q1,q2,q3,t,omega1,omega2,omega3,theta", 41).path
     stored = stored.rename(spin.folder / "stored.csv")
     settings = ("taylor,rk4", "steps=400,800", "tolerances=1e-8")
@@ -170,7 +160,6 @@ def test_stored_reference(spin):
 
 
 def test_swept_problems(spin):
-    """Each case of a sweep is a problem, with its parameters beside it."""
     axis = ("parameter=initial.theta", "from=0.2", "to=0.6", "count=3")
     settings = [
         f"work_precision.{x}" for x in ("methods=taylor,rk4", "steps=100", "tolerances=1e-6")
@@ -277,38 +266,27 @@ def test_cheapest(spin):
 
 
 RK4 = "work_precision.methods=rk4"
+AXIS = ("sweep.from=1", "sweep.to=2", "sweep.count=2")
 
 
-@pytest.mark.parametrize(
-    ("settings", "part"),
-    [
-        (["work_precision.methods=tailor"], "did you mean 'taylor'"),
-        (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
-        ([RK4, "span.samples=8"], "7 intervals do not divide 100"),
-        (["integration.method=rk4"], "compares methods"),
-        (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
-        (["output.columns=t"], "the columns of this study are fixed"),
-        (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
-        (["work_precision.reference=exact"], "no exact solution"),  # of a body that has none
-        (["work_precision.repeats=0"], "work_precision.repeats"),
-        (["work_precision.tolerances=2"], "work_precision.tolerances"),
-        (["span.stop_at=maximum"], "to the end of its span"),
-        (["output.events=turning_points"], "only a trajectory has a table of events"),
-        (
-            ["sweep.parameter=integration.steps", "sweep.from=10", "sweep.to=20", "sweep.count=2"],
-            "varies the steps",
-        ),
-        (
-            [
-                "sweep.parameter=work_precision.repeats",
-                *("sweep.from=1", "sweep.to=2", "sweep.count=2"),
-            ],
-            "work_precision.repeats cannot vary",
-        ),
-    ],
+@each(
+    "settings, part",
+    (["work_precision.methods=tailor"], "did you mean 'taylor'"),
+    (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
+    ([RK4, "span.samples=8"], "7 intervals do not divide 100"),
+    (["integration.method=rk4"], "compares methods"),
+    (["integration.relative_tolerance=1e-3"], "varies the tolerance"),
+    (["output.columns=t"], "the columns of this study are fixed"),
+    (["work_precision.reference=nothing.csv"], "nothing.csv: No such file"),
+    (["work_precision.reference=exact"], "no exact solution"),  # of a body that has none
+    (["work_precision.repeats=0"], "work_precision.repeats"),
+    (["work_precision.tolerances=2"], "work_precision.tolerances"),
+    (["span.stop_at=maximum"], "to the end of its span"),
+    (["output.events=turning_points"], "only a trajectory has a table of events"),
+    (["sweep.parameter=integration.steps", *AXIS], "varies the steps"),
+    (["sweep.parameter=work_precision.repeats", *AXIS], "work_precision.repeats cannot vary"),
 )
 def test_refusals(spin, settings, part):
-    """Each names what is wrong, before anything is computed."""
     scene = SKEW if "=exact" in settings[0] else NAME
     assert part in spin.refuse(scene, *settings)
 
@@ -317,21 +295,18 @@ HEAD = "t,q0,q1,q2,q3,omega1,omega2,omega3\n"
 ROW = "0,0.995184726672197,0.098017140329561,0,0,0,0,1\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "part"),
-    [
-        ("t,q0\n0,1\n", "no column q1"),
-        (HEAD + ROW, "1 rows"),
-        (HEAD + ROW + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
-        (HEAD + ROW + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
-        (HEAD + ROW.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
-        (HEAD + ROW + "6.66,1,0,0,x,0,0,1\n", "x"),
-        (HEAD + ROW + "6.66,1,0\n", "the row ends before q2"),
-        ("", "the table is empty"),
-    ],
+@each(
+    "text, part",
+    ("t,q0\n0,1\n", "no column q1"),
+    (HEAD + ROW, "1 rows"),
+    (HEAD + ROW + "7,1,0,0,0,0,0,1\n", "row 2 of the table is for t = 7"),
+    (HEAD + ROW + "6.66,1,0,0,1,0,0,1\n", "whose norm is not 1"),
+    (HEAD + ROW.replace("0,1\n", "0,2\n") + "6.66,1,0,0,0,0,0,1\n", "has another start"),
+    (HEAD + ROW + "6.66,1,0,0,x,0,0,1\n", "x"),
+    (HEAD + ROW + "6.66,1,0\n", "the row ends before q2"),
+    ("", "the table is empty"),
 )
 def test_tables_that_are_no_reference(spin, text, part):
-    """A table must have the columns, the times and the start of the motion."""
     table = spin.folder / "reference.csv"
     setting = f"work_precision.reference={table}"
     assert part in spin.refuse(NAME, setting, reference=text)

@@ -7,14 +7,13 @@ effect, too, which only the loads know: everything else has to see that it does 
 import faulthandler
 import math
 import shutil
-import subprocess
 from collections.abc import Callable, Iterator
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from conftest import ROOT, Run, Spin, execute, output
+from conftest import ROOT, Run, Spin, each, execute, output
 from mechanics import rotation, runge_kutta
 
 ADDITIONS = ("effect", "method", "watch")
@@ -43,12 +42,10 @@ def copy(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Spin]:
     shutil.copy(ROOT / "fpm.toml", root)
     (root / ".venv").symlink_to(ROOT / ".venv")
     for name in (*ADDITIONS, *COLUMNS_ADDED, OF_LOADS):
-        patch = ROOT / f"test/additions/{name}.patch"
-        subprocess.run(["git", "apply", "-C1", patch], cwd=root, check=True)
-    environment = {"SPINTOP_FLAGS": "-O0"}
+        execute("git", "apply", "-C1", ROOT / f"test/additions/{name}.patch", cwd=root)
     faulthandler.cancel_dump_traceback_later()  # a build may take longer than other tests
     build = ("bash", "-c", "source scripts/setup; build release")
-    execute(*build, cwd=root, environment=environment)
+    execute(*build, cwd=root, environment={"SPINTOP_FLAGS": "-O0"})
     yield Spin(root)
     shutil.rmtree(root)
 
@@ -68,7 +65,6 @@ Moment = Callable[[float], np.ndarray]
 
 
 def decaying(t: float) -> np.ndarray:
-    """Return the torque of the new effect."""
     return TORQUE * math.exp(-RATE * t)
 
 
@@ -95,12 +91,10 @@ def path(inertia: np.ndarray, moment: Moment, parts: int = 1) -> np.ndarray:
 
 
 def listed(values: np.ndarray) -> str:
-    """Return numbers as they stand in an input."""
     return ", ".join(repr(float(x)) for x in values)
 
 
 def scene(inertia: np.ndarray, effects: str, more: str) -> str:
-    """Return an input of the motion."""
     body = " ".join(f"inertia_tensor({i + 1},:) = {listed(inertia[i])}" for i in range(3))
     if inertia is SMOOTH:
         body = f"inertia = {listed(np.diag(inertia))}"
@@ -116,17 +110,14 @@ FADES = f"fading_torque = {listed(TORQUE)}"
 
 
 def call(copy: Spin, *words: str, code: int | tuple[int, ...] = 0) -> Run:
-    """Call the program of the copy."""
     return copy.call(*words, command=(copy.folder / "build/release/spintop",), code=code)
 
 
 def rows(copy: Spin, text: str, *options: str) -> pd.DataFrame:
-    """Return the rows of the table of an input."""
     return call(copy, "--quiet", *options, copy.write(text)).rows
 
 
 def refusal(copy: Spin, text: str) -> str:
-    """Return why an input is refused; nothing if it is not."""
     return call(copy, "--check", copy.write(text), code=(0, 2)).stderr
 
 
@@ -143,7 +134,6 @@ def check_end(copy: Spin, text: str, expected: np.ndarray, method: str) -> None:
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> float:
-    """Return the distance of two states; a quaternion has two signs."""
     sign = math.copysign(1, a[:4] @ b[:4])
     return float(np.linalg.norm(a - np.concatenate([sign * b[:4], b[4:]])))
 
@@ -153,7 +143,7 @@ def test_additions_are_short() -> None:
     assert sum(map(added, ADDITIONS)) < MOST_LINES
 
 
-@pytest.mark.parametrize("name", COLUMNS_ADDED)
+@each("name", *COLUMNS_ADDED)
 def test_column_is_a_line(name: str) -> None:
     """A line of the registry, its number, and where that is computed."""
     assert added(name) <= MOST_OF_COLUMN
@@ -176,7 +166,6 @@ def test_new_columns_have_values(copy: Spin) -> None:
 
 
 def test_lists_have_them(copy: Spin) -> None:
-    """Keys, methods and columns are listed."""
     parameters = call(copy, "list", "parameters").out
     assert "effects.decaying_torque" in parameters
     assert "effects.decay_rate" in parameters
@@ -184,7 +173,7 @@ def test_lists_have_them(copy: Spin) -> None:
     assert "com_z_max" in call(copy, "list", "columns").out
 
 
-@pytest.mark.parametrize("inertia", [SMOOTH, SKEW], ids=["principal", "tensor"])
+@each("inertia", SMOOTH, SKEW, ids=["principal", "tensor"])
 def test_effect_changes_the_motion(copy: Spin, inertia: np.ndarray) -> None:
     """By slopes and by series, also in quadruple precision, as another integration says."""
     expected = path(inertia, decaying)[-1]
@@ -204,9 +193,7 @@ def test_effect_of_loads_alone(copy: Spin) -> None:
         assert "those with these effects have none" in error
 
 
-@pytest.mark.parametrize(
-    ("key", "moment"), [("decaying_torque", decaying), ("fading_torque", fading)]
-)
+@each("key, moment", ("decaying_torque", decaying), ("fading_torque", fading))
 def test_sweep_takes_the_effect_one_by_one(copy: Spin, key: str, moment: Moment) -> None:
     """Lanes leave the cases that they do not know."""
     text = scene(

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import pytest
 
-from conftest import ROOT
+from conftest import ROOT, execute
 from spintop_figures.registry import FIGURES
 from spintop_figures.tables.names import words_of
 from spintop_figures.tables.table import read_table
@@ -29,23 +29,17 @@ FAILED, REFUSED = 3, 2
 
 
 class Group(NamedTuple):
-    """Inputs that run together, with their settings and their exit code."""
-
     inputs: list[Path]
     settings: tuple[str, ...] = ()
     code: int = 0
 
     def run(self, folder: Path) -> subprocess.CompletedProcess:
-        """Run the script."""
-        settings = [word for setting in self.settings for word in ("--set", setting)]
-        command = [ROOT / "scripts/run", "--quiet", "-o", FOLDER, *settings, *self.inputs]
-        return subprocess.run(
-            command, cwd=folder, capture_output=True, text=True, timeout=1200, check=False
-        )
+        settings = [f"--set={setting}" for setting in self.settings]
+        words = (ROOT / "scripts/run", "--quiet", "-o", FOLDER, *settings, *self.inputs)
+        return execute(*words, code=None, cwd=folder, timeout=1200)
 
 
 def group_all() -> list[Group]:
-    """All inputs in groups, the longest first."""
     everything = sorted((ROOT / "input").glob("*.nml"))
     texts = {path: path.read_text(encoding="utf-8") for path in everything}
     studies = {kind: [path for path in everything if kind in texts[path]] for kind in COMPARISONS}
@@ -65,14 +59,10 @@ def group_all() -> list[Group]:
     ]
 
 
-def names_of_figures(stem: str) -> set[str]:
-    """The figures that an input can have."""
-    beside = ("", ".events", ".residuals", ".statistics")
-    return {f"{stem}{ending}_{kind.name}.png" for ending in beside for kind in FIGURES}
+BESIDE = ("", ".events", ".residuals", ".statistics")
 
 
 def test_all(folder):
-    """Two groups at a time; then their tables, their figures and the kinds of columns."""
     groups = group_all()
     inputs = [path for group in groups for path in group.inputs]
     assert sorted(inputs) == sorted((ROOT / "input").glob("*.nml"))
@@ -88,7 +78,8 @@ def test_all(folder):
         told = [line for line in result.stderr.splitlines() if "scripts/plot: " in line]
         assert [line for line in told if not line.endswith(NO_FIGURE)] == []
         for path in group.inputs:
-            figures = names_of_figures(path.stem) & drawn
+            tables = [f"{path.stem}{ending}" for ending in BESIDE]
+            figures = {f"{table}_{kind.name}.png" for table in tables for kind in FIGURES} & drawn
             assert (not figures) == (path.stem in WITHOUT_FIGURES), path.stem
     for path in place.glob("*.png"):
         assert path.stat().st_size > 5000, path

@@ -3,9 +3,7 @@
 import math
 from pathlib import Path
 
-import pytest
-
-from conftest import ROOT, Spin, listed
+from conftest import ROOT, Spin, each, listed
 from plot_case import a_trajectory
 from reporting.live_link import live_link
 from spintop_figures.motion.reduced import find_reduced
@@ -53,22 +51,11 @@ CONDITIONAL = [kind for kind in (*FIGURES, *COMPARISONS) if kind.assumes]
 
 
 def compute(folder: Path, name: str, *settings: str) -> Table:
-    """The table of an input with settings: of a supplied one by its name, or of a text."""
     run = Spin(folder)(name, *settings, "--quiet", "--output=.", name="top", code=(0, 3))
     return read_table(run.path)
 
 
-def check_true(table: Table) -> None:
-    """Where the potential is offered, the motion stays between its turning points."""
-    reduced = find_reduced(table)
-    if isinstance(reduced, str):
-        return
-    theta, (least, largest) = table.rows["theta"].to_numpy(float), reduced.turning_points()
-    assert least - NEAR < theta.min() and theta.max() < largest + NEAR
-
-
 def offered(table: Table) -> set[str]:
-    """The figures with assumptions that a table has."""
     return {kind.name for kind in CONDITIONAL if not kind.refusal(table)}
 
 
@@ -79,7 +66,7 @@ def test_figures_with_assumptions() -> None:
     assert names == reduced | {"residuals", "drift", "sweep", "table1"}
 
 
-@pytest.mark.parametrize("key", SIZES)
+@each("key", *SIZES)
 def test_effects(folder: Path, key: str) -> None:
     """Each effect breaks the assumptions of figures and of the live top."""
     value = ",".join([f"{STRONG.get(key, 0.02)}"] * SIZES[key])
@@ -112,7 +99,6 @@ def test_effects_of_no_strength(folder: Path) -> None:
 
 
 def test_damping_and_bodies(folder: Path) -> None:
-    """A damped top and bodies without symmetry."""
     damped = compute(folder, "damped_top")
     assert undamped(damped) and offered(damped) == set()
     assert "damping1=0.1&damping3=0.01" in live_link(damped)
@@ -133,11 +119,14 @@ def test_all_inputs(folder: Path) -> None:
         if "'trajectory'" in path.read_text(encoding="utf-8") and path.stem not in LEFT_OUT:
             table = compute(folder, path.stem)
             if "potential" in offered(table):
-                check_true(table)
+                reduced = find_reduced(table)
+                if not isinstance(reduced, str):
+                    least, largest = reduced.turning_points()
+                    theta = table.rows["theta"].to_numpy(float)
+                    assert least - NEAR < theta.min() and theta.max() < largest + NEAR
 
 
 def test_swept_effects(folder: Path) -> None:
-    """A parameter that is swept acts."""
     axes = "&sweep parameter = 'effects.drag_force' from = 0 to = 0.1 count = 3 /\n"
     text = TOP.replace("'trajectory'", "'sweep'").replace("samples = 301", "")
     table = compute(folder, text + axes, "output.columns=theta_end")

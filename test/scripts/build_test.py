@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import ROOT, execute
+from conftest import ROOT, each, execute
 
 ERROR = "src/x.f90:1:2:\n\n    1 | y = z\n      |     1\nError: Symbol 'z' has no IMPLICIT type"
 SAID = [
@@ -33,12 +33,8 @@ def checkout(tmp_path: Path) -> Path:
     root = tmp_path / "check out"
     for name in ("src", "app", "example", "test"):
         (root / name).mkdir(parents=True)
-    for name in (
-        "scripts/setup",
-        "scripts/requirements.lock",
-        "scripts/compiler/gfortran",
-        "fpm.toml",
-    ):
+    scripts = (f"scripts/{name}" for name in ("setup", "requirements.lock", "compiler/gfortran"))
+    for name in (*scripts, "fpm.toml"):
         (root / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, root / name)
     (root / "said").write_text("\n".join(SAID) + "\n", encoding="utf-8")
@@ -62,7 +58,6 @@ def test_of_what_fpm_says_errors_are_shown(checkout: Path) -> None:
 
 
 def test_a_failed_build_names_the_log(checkout: Path) -> None:
-    """Where all that fpm said can be read."""
     done = call(checkout, "forget_build release", SPINTOP_FPM="false")
     assert (done.returncode, done.stdout) == (1, "")
     assert "build/release.log" in done.stderr
@@ -71,29 +66,24 @@ def test_a_failed_build_names_the_log(checkout: Path) -> None:
 def test_fpm_sees_no_examples(checkout: Path) -> None:
     """A user needs neither examples nor tests."""
     call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))
-    assert (checkout / "build/seen").read_text(encoding="utf-8").split() == [
-        "app",
-        "fpm.toml",
-        "src",
-    ]
+    seen = (checkout / "build/seen").read_text(encoding="utf-8").split()
+    assert seen == ["app", "fpm.toml", "src"]
     manifest = (checkout / "build/manifest").read_text(encoding="utf-8")
     assert re.findall(r"^auto-\w+ = \w+", manifest, re.MULTILINE) == [
         f"auto-{name} = false" for name in ("executables", "examples", "tests")
     ]
 
 
-@pytest.mark.parametrize(
-    ("source", "level"),
-    [
-        ("././src/studies/job.f90", "-O1"),
-        ("./src/studies/sweep/engines/deep.f90", "-O1"),
-        ("src/studies/fit/fit_model.f90", "-O3"),
-        ("././src/studies/trial.f90", "-O3"),
-        ("././src/studies_of_mine/job.f90", "-O3"),
-        ("././src/top/body.f90", "-O3"),
-        ("././app/main.f90", "-O1"),
-        ("-o build/program", "-O3"),
-    ],
+@each(
+    "source, level",
+    ("././src/studies/job.f90", "-O1"),
+    ("./src/studies/sweep/engines/deep.f90", "-O1"),
+    ("src/studies/fit/fit_model.f90", "-O3"),
+    ("././src/studies/trial.f90", "-O3"),
+    ("././src/studies_of_mine/job.f90", "-O3"),
+    ("././src/top/body.f90", "-O3"),
+    ("././app/main.f90", "-O1"),
+    ("-o build/program", "-O3"),
 )
 def test_levels(tmp_path: Path, source: str, level: str) -> None:
     """The last level that the compiler is given, for a file, and for a program that is linked."""
@@ -111,7 +101,6 @@ def test_levels(tmp_path: Path, source: str, level: str) -> None:
 
 
 def test_places_of_levels_exist() -> None:
-    """Each file or folder that has a level of its own."""
     done = call(ROOT, 'echo "${light//:/ } ${full//:/ }"')
     places = done.stdout.split()
     assert len(places) > 10
@@ -137,18 +126,15 @@ make_venv() {
 """A machine without compiler and venv; apt-get goes on until pip has begun."""
 
 
-@pytest.mark.parametrize("broken", ["", "yes"])
+@each("broken", "", "yes")
 def test_pip_beside_apt(checkout: Path, broken: str) -> None:
     """pip runs while apt-get installs what it does not need; a failure of that ends the set-up."""
-    done = call(
-        checkout, f"broken={broken}; {MACHINE} install_missing; touch complete", SPINTOP_NETCDF="0"
-    )
+    command = f"broken={broken}; {MACHINE} install_missing; touch complete"
+    done = call(checkout, command, SPINTOP_NETCDF="0")
     assert (checkout / "begun").exists(), done.stderr
     assert done.returncode == (2 if broken else 0), done.stderr
-    assert ("no network" in done.stderr, (checkout / "complete").exists()) == (
-        bool(broken),
-        not broken,
-    )
+    assert ("no network" in done.stderr) == bool(broken)
+    assert (checkout / "complete").exists() == (not broken)
 
 
 def test_users_install_no_linters() -> None:

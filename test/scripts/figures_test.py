@@ -3,7 +3,6 @@
 import itertools
 import math
 import os
-import unittest
 from dataclasses import replace
 from unittest import mock
 
@@ -38,7 +37,6 @@ from spintop_figures.tables.table import TableError
 
 
 def texts_of(axes: mpl.axes.Axes) -> list[str]:
-    """The text in a panel."""
     titles = (axes.get_title(loc=side) for side in ("left", "center", "right"))
     return [*(text.get_text() for text in axes.texts), *filter(None, titles)]
 
@@ -58,7 +56,6 @@ class FiguresTest(TableCase):
             assert hasattr(spintop_figures, name)
 
     def test_settings(self) -> None:
-        """The package does not change the settings of matplotlib."""
         before = dict(mpl.rcParams)
         figure = spintop_figures.draw(self.read(a_trajectory()), "angles")
         spintop_figures.save_as(figure, self.folder / "b")
@@ -123,10 +120,8 @@ class FiguresTest(TableCase):
     def test_nothing_is_cut_off(self) -> None:
         """All texts lie in the picture: of long titles, in space, beside panels."""
         cones = self.compute("regular_precession")
-        titled = [
-            replace(cones, header=cones.header | {"title": f"{name} released with precession"})
-            for name in ("Loops:", "Waves: these were")
-        ]
+        titles = ("Loops: released with precession", "Waves: these were released with precession")
+        titled = [replace(cones, header=cones.header | {"title": title}) for title in titles]
         figures = [spintop_figures.draw(cones, "cones"), draw_traces(titled + titled[:1])]
         for figure in figures:
             lay_out(figure)
@@ -212,14 +207,12 @@ class FiguresTest(TableCase):
         assert "exactly zero (3 rows)" in axes.get_legend().get_texts()[0].get_text()
 
     def test_largest_error(self) -> None:
-        """It is marked where it is, in radians and in degrees."""
         table = self.compute("slow_top_scenario2_rk4")
         error = table.rows["orientation_error"]
         axes = draw_error(table).axes[0]
         marked = [line for line in axes.lines if len(line.get_xdata()) == 1 and line.get_marker()]
-        assert (table.rows["t"][error.idxmax()], error.max()) in [
-            (line.get_xdata()[0], line.get_ydata()[0]) for line in marked
-        ]
+        places = [tuple(line.get_xydata()[0]) for line in marked]
+        assert (table.rows["t"][error.idxmax()], error.max()) in places
         words = " ".join(texts_of(axes))
         assert f"{error.max():.2g} rad" in words
         assert f"{math.degrees(error.max()):.2g}°" in words
@@ -281,13 +274,9 @@ class FiguresTest(TableCase):
         """The far half has a paler tint of the colour of the near one; a legend says so."""
         figure = draw_trace(self.compute("tip_wave"))
         rows = len(self.compute("tip_wave").rows)
-        back, front = (
-            np.array(to_rgb(line.get_color()))
-            for line in sorted(
-                (line for line in figure.axes[0].lines if len(line.get_xdata()) == rows),
-                key=lambda line: line.get_zorder(),
-            )
-        )
+        lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) == rows]
+        lines.sort(key=lambda line: line.get_zorder())
+        back, front = (np.array(to_rgb(line.get_color())) for line in lines)
         toward = (back - front) / (1 - front)  # the same share of the way to white
         assert np.ptp(toward) < 0.2
         assert toward.min() > 0.4
@@ -356,7 +345,6 @@ class FiguresTest(TableCase):
                 np.testing.assert_array_equal(np.isfinite(shown), sign * deviation > 0)
 
     def test_names(self) -> None:
-        """Events have names that can be read."""
         names = {
             "theta_deg=90 rising": "θ = 90°, rising",
             "psi=0 every turn rising": "ψ = 0, every turn, rising",
@@ -387,9 +375,8 @@ class FiguresTest(TableCase):
         table = self.compute("random_tops")
         figure = draw_scatter(table)
         panels = [axes for axes in figure.axes if axes.collections and axes.get_ylabel() != ""]
-        cells = [
-            c for axes in panels for c in axes.collections if type(c).__name__ == "PolyCollection"
-        ]
+        found = itertools.chain.from_iterable(axes.collections for axes in panels)
+        cells = [each for each in found if type(each).__name__ == "PolyCollection"]
         assert cells
         for part in cells:
             assert part.get_array().sum() == 4000
@@ -423,16 +410,11 @@ class FiguresTest(TableCase):
         found = sorted(x for line in dots[: len(dots) // 2] for x in line.get_xdata())
         np.testing.assert_allclose(found, [90 / 400, 1, 1, 8])
 
-
-class ThresholdTest(unittest.TestCase):
-    """The line at the threshold of the sleeping top, in curves over spins."""
-
     def test_threshold(self) -> None:
-        """It is where the ratio is one; a rotor, which adds to the spins, leaves none."""
+        """It is where the sleeping ratio is one; a rotor, which adds to the spins, leaves none."""
         rows = pd.DataFrame({"initial.omega3": [0.0, 10, -40], "sleeping_ratio": [0, 0.5, 2]})
         self.assertAlmostEqual(sleeping_threshold("initial.omega3", rows), 20)
         assert sleeping_threshold("initial.theta", rows) is None
-        assert (
-            sleeping_threshold("initial.omega3", rows.assign(sleeping_ratio=[0.5, 1, 2.5])) is None
-        )
+        bent = rows.assign(sleeping_ratio=[0.5, 1, 2.5])
+        assert sleeping_threshold("initial.omega3", bent) is None
         assert sleeping_threshold("initial.omega3", rows.drop(columns="sleeping_ratio")) is None

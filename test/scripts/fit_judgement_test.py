@@ -5,18 +5,15 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
+from conftest import each
 from drawn_fits import REDUNDANT, draw_redundant
 
 TOP = {"mass": 1.2, "inertia": (0.9, 0.9, 0.4), "length": 0.7}
 RELEASED = {"theta": 0.7, "psi_rate": 11.0}
 MOVING = {"theta": 0.7, "phi_rate": 0.5, "theta_rate": 0.3, "psi_rate": 11.0}
-METHODS = (
-    {},
-    {"method": "dop853"},
-    {"method": "dop853", "relative_tolerance": 1e-6},
-    {"method": "taylor", "relative_tolerance": 1e-13},
-    {"method": "ode45", "relative_tolerance": 1e-5},
-)
+METHODS = ({}, {"method": "dop853"}, {"method": "dop853", "relative_tolerance": 1e-6})
+METHODS += ({"method": "taylor", "relative_tolerance": 1e-13},)
+METHODS += ({"method": "ode45", "relative_tolerance": 1e-5},)
 WINDOWS = (0.02, 0.1, 0.6, 3.0, 20.0, 100.0)
 ANGLES = ("phi", "theta", "psi")
 
@@ -24,7 +21,6 @@ ANGLES = ("phi", "theta", "psi")
 def measure(
     columns: tuple[str, ...], t: np.ndarray, start: dict, noise: float, top: dict = TOP, **more
 ) -> dict[str, np.ndarray]:
-    """Columns of a motion at some times, with noise."""
     motion = spintop.Top(spintop.Body(**top), **start, **more).integrate(
         t, columns, relative_tolerance=1e-14
     )
@@ -35,7 +31,6 @@ def measure(
 def fit(
     data: dict, unknown: list[str], start: dict, top: dict = TOP, factor: float = 1.001, **keys
 ):
-    """A fit whose search begins beside the true values."""
     given = {"top": dict(top), "initial": dict(start)}
     given["integration"] = keys.pop("integration", {})
     given["fit"] = {key: keys.pop(key) for key in ("loss",) if key in keys}
@@ -55,8 +50,8 @@ def late(result: spintop.Result) -> str:
     return "\n".join(line for line in lines if line.startswith("warning: "))
 
 
-@pytest.mark.parametrize("window", WINDOWS)
-@pytest.mark.parametrize("integration", METHODS, ids=str)
+@each("window", *WINDOWS)
+@each("integration", *METHODS, ids=str)
 def test_products_are_not_identifiable(integration: dict, window: float) -> None:
     """Of a top that is released, phi and theta depend on I3 psi_rate, theta on the ratios too."""
     t = np.linspace(window / 40, window, 40)
@@ -94,7 +89,7 @@ def test_spin_and_bias_of_a_constant_rotation() -> None:
         assert np.isnan(result.rows["standard_error"]).all()
 
 
-@pytest.mark.parametrize("integration", METHODS[:4], ids=str)
+@each("integration", *METHODS[:4], ids=str)
 def test_ill_conditioned_fits_succeed(integration: dict) -> None:
     """Where little, but something, tells the parameters apart, the truth is in wide intervals."""
     truth = {"top.inertia(1)": 0.9, "top.inertia(3)": 0.4, "initial.psi_rate": 11.0}
@@ -120,7 +115,7 @@ def check_rows(rows: spintop.results.Table) -> None:
         assert 0.5 * error < upper - estimate < 10 * error
 
 
-@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+@each("noise", 1e-4, 1e-2)
 def test_intervals_end_with_the_range(noise: float) -> None:
     """A damping that is 0: the interval begins at 0, where the range does, and has an end."""
     t = np.linspace(0.1, 4.0, 40)
@@ -211,7 +206,7 @@ def test_residuals_that_are_no_noise() -> None:
     assert "the residuals of omega3 are no noise" in found.summary
 
 
-@pytest.mark.parametrize("sigma", [None, 1e-3])
+@each("sigma", None, 1e-3)
 def test_rows_that_stand_out(sigma: float | None) -> None:
     """They are named, the worst with its row; with Huber's loss they move nothing."""
     truth = {"top.inertia(3)": 0.4, "initial.psi_rate": 11.0}

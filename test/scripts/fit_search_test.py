@@ -5,8 +5,9 @@ import unittest
 import numpy as np
 import pytest
 
-import python_library  # noqa: F401  # noqa: F401
+import python_library  # noqa: F401
 import spintop
+from conftest import each
 from drawn_fits import draw, draw_tumbling
 
 TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
@@ -15,17 +16,14 @@ BESIDE = {"top": TOP, "initial": {"theta": 1.01, "omega3": 81.0}}
 
 
 def motion(t: np.ndarray, *columns: str) -> spintop.Motion:
-    """Columns of the true motion."""
     return spintop.Top(spintop.Body(**TOP), **START).exact(t, columns)
 
 
 def noise(t: np.ndarray, deviation: float, seed: int = 0) -> np.ndarray:
-    """Noise at some times."""
     return np.random.default_rng([5, seed]).normal(0, deviation, t.size)
 
 
 def estimates(result: spintop.Result) -> dict[str, tuple[float, float]]:
-    """Estimates and standard errors by the names of the parameters."""
     rows = result.rows
     values = zip(rows["estimate"].tolist(), rows["standard_error"].tolist(), strict=True)
     return dict(zip(rows["parameter"].tolist(), values, strict=True))
@@ -41,7 +39,7 @@ def check(result: spintop.Result, **truth: float) -> None:
         assert np.isfinite(error)
 
 
-@pytest.mark.parametrize("off", [-0.016, -0.008, 0.003, 0.008, 0.016])
+@each("off", -0.016, -0.008, 0.003, 0.008, 0.016)
 def test_a_long_motion_from_afar(off: float) -> None:
     """Over 500 nutations a start 0.2 % off is a whole one late at the end; windows lead there."""
     t = np.linspace(0, 30, 3001)
@@ -75,28 +73,15 @@ def test_a_camera() -> None:
     """The tip in pixels: scale, centre and the time of its clock are unknown."""
     t = np.linspace(0.1, 3, 291)
     axis = motion(t, "axis_x", "axis_y")
-    data = {
-        "t": t + 0.05,
-        "axis_x": 320 + 200 * axis.axis_x + noise(t, 0.5),
-        "axis_y": 240 - 200 * axis.axis_y + noise(t, 0.5, 1),
-    }
-    sensors = [
-        {"column": "axis_x", "offset": 310.0, "scale": 190.0},
-        {"column": "axis_y", "offset": 250.0, "scale": -190.0},
-    ]
+    data = {"t": t + 0.05, "axis_x": 320 + 200 * axis.axis_x + noise(t, 0.5)}
+    data["axis_y"] = 240 - 200 * axis.axis_y + noise(t, 0.5, 1)
+    sensors = [{"column": "axis_x", "offset": 310.0, "scale": 190.0}]
+    sensors += [{"column": "axis_y", "offset": 250.0, "scale": -190.0}]
     given = {**BESIDE, "sensor": sensors, "fit": {"time_offset": -0.04}}
     of_sensors = ["offset.axis_x", "scale.axis_x", "offset.axis_y", "scale.axis_y", "offset.t"]
     result = spintop.fit(data, ["initial.omega3", "initial.theta", *of_sensors], given)
-    check(
-        result,
-        initial__omega3=80.0,
-        initial__theta=1.0,
-        offset__axis_x=320.0,
-        scale__axis_x=200.0,
-        offset__axis_y=240.0,
-        scale__axis_y=-200.0,
-        offset__t=-0.05,
-    )
+    truth = dict(zip(of_sensors, (320.0, 200.0, 240.0, -200.0, -0.05), strict=True))
+    check(result, initial__omega3=80.0, initial__theta=1.0, **truth)
 
 
 def test_a_mounted_sensor() -> None:
@@ -114,11 +99,9 @@ def test_a_mounted_sensor() -> None:
         for i in (0, 1):
             data[vectors[i]] = readings[i] + noise(t, 0.1, 3 * j + i)
     unknown = ["initial.omega3", "mounting(1)", "mounting(2)", "mounting(3)"]
-    result = spintop.fit(
-        data, unknown, {**BESIDE, "initial": {"theta": 1.0, "omega3": 81.0}}, sigma=0.1
-    )
-    expected = dict(zip(unknown[1:], vector, strict=True))
-    check(result, **expected, initial__omega3=80.0)
+    given = {**BESIDE, "initial": {"theta": 1.0, "omega3": 81.0}}
+    result = spintop.fit(data, unknown, given, sigma=0.1)
+    check(result, **dict(zip(unknown, (80.0, *vector), strict=True)))
 
 
 def test_wrapped_angles_and_missing_readings() -> None:
@@ -138,15 +121,13 @@ def test_wrapped_angles_and_missing_readings() -> None:
         spintop.fit(data, unknown, BESIDE)
 
 
-@pytest.mark.parametrize(
-    ("column", "scale", "offset"),
-    [
-        ("psi", 4096 / (2 * np.pi), 0.0),
-        ("psi", -1000 / (2 * np.pi), 7.0),
-        ("psi_deg", 1.0, 0.0),
-        ("psi_deg", 100 / 360, -50.0),
-        ("psi_turn", 4096.0, 0.0),
-    ],
+@each(
+    "column, scale, offset",
+    ("psi", 4096 / (2 * np.pi), 0.0),
+    ("psi", -1000 / (2 * np.pi), 7.0),
+    ("psi_deg", 1.0, 0.0),
+    ("psi_deg", 100 / 360, -50.0),
+    ("psi_turn", 4096.0, 0.0),
 )
 def test_wrapped_columns_of_any_unit_and_scale(column: str, scale: float, offset: float) -> None:
     """Counts of an encoder give the fit of radians: they repeat after a turn of the scale."""
@@ -197,16 +178,15 @@ def test_the_end_is_not_worse_than_the_start() -> None:
             assert abs(found[0] - start["omega3"]) < 6 * found[1], (number, result.summary)
 
 
-@pytest.mark.parametrize("start", [8.79, 8.80])
+@each("start", 8.79, 8.80)
 def test_a_start_at_the_truth_is_kept(start: float) -> None:
     """Windows of rows lead this motion away from where all rows lead at once."""
     top = {"mass": 1.0, "inertia": (5.25, 4.17, 1.34), "length": 0.2736, "damping": (0.0288,) * 3}
     initial = {"theta": 1.17, "psi": 0.8, "phi_rate": 0.185, "theta_rate": -0.394}
     t = np.linspace(0, 220, 150)
     names = ("omega1", "omega2", "omega3")
-    true = spintop.Top(spintop.Body(**top), **initial, omega3=8.79).integrate(
-        t, names, relative_tolerance=1e-13
-    )
+    moving = spintop.Top(spintop.Body(**top), **initial, omega3=8.79)
+    true = moving.integrate(t, names, relative_tolerance=1e-13)
     for seed in range(4):
         source = np.random.default_rng(seed)
         data = {"t": t} | {name: true[name] + source.normal(0, 0.05, t.size) for name in names}
@@ -214,7 +194,7 @@ def test_a_start_at_the_truth_is_kept(start: float) -> None:
         check(spintop.fit(data, ["initial.omega3"], given, sigma=0.05), initial__omega3=8.79)
 
 
-@pytest.mark.parametrize("side", [1, -1])
+@each("side", 1, -1)
 def test_a_start_beyond_the_pole(side: int) -> None:
     """A pendulum close to hanging: the search goes on where theta ends, and says so."""
     t = np.linspace(0, 4, 401)
@@ -226,8 +206,7 @@ def test_a_start_beyond_the_pole(side: int) -> None:
     given["initial"] = {"theta": 3.13, "theta_rate": side * 0.66, "psi": np.pi * (side < 0)}
     unknown = ["top.inertia(1)", "initial.theta", "initial.theta_rate"]
     result = spintop.fit(data, unknown, given)
-    truth = {"initial__theta": np.pi - 0.003, "initial__theta_rate": 0.66}
-    check(result, **truth)
+    check(result, initial__theta=np.pi - 0.003, initial__theta_rate=0.66)
     assert abs(result.rows["estimate"][0] - 0.2325) < 4 * result.rows["standard_error"][0]
     assert ("beyond the pole" in result.warnings) == (side < 0)
 
@@ -248,11 +227,8 @@ def test_sigma_per_row_and_column() -> None:
     t = np.linspace(0, 3, 301)
     found = motion(t, "psi", "theta")
     sigma = np.where(t < 1, 0.002, 0.05)
-    data = {
-        "t": t,
-        "psi": found.psi + noise(t, 0.02),
-        "theta": found.theta + noise(t, 1.0, 1) * sigma,
-    }
+    theta = found.theta + noise(t, 1.0, 1) * sigma
+    data = {"t": t, "psi": found.psi + noise(t, 0.02), "theta": theta}
     unknown = ["initial.omega3", "initial.theta"]
     result = spintop.fit(data, unknown, BESIDE, sigma={"psi": 0.02, "theta": sigma})
     check(result, initial__omega3=80.0, initial__theta=1.0)
@@ -265,19 +241,16 @@ def test_columns_of_other_units() -> None:
     """Without sigma each column has its own deviation: rad and rad/s are not mixed."""
     t = np.linspace(0, 3, 301)
     found = motion(t, "theta", "omega1")
-    data = {
-        "t": t,
-        "theta": found.theta + noise(t, 0.001),
-        "omega1": found.omega1 + noise(t, 1.0, 1),
-    }
+    data = {"t": t, "theta": found.theta + noise(t, 0.001)}
     unknown = ["initial.omega3", "initial.theta"]
-    both = estimates(spintop.fit(data, unknown, BESIDE))
-    alone = estimates(spintop.fit({"t": t, "theta": data["theta"]}, unknown, BESIDE))
+    alone = estimates(spintop.fit(data, unknown, BESIDE))
+    both = {**data, "omega1": found.omega1 + noise(t, 1.0, 1)}
+    both = estimates(spintop.fit(both, unknown, BESIDE))
     for name in unknown:
         assert both[name][1] < 1.05 * alone[name][1]
 
 
-@pytest.mark.parametrize("loss", ["squares", "huber", "tukey"])
+@each("loss", "squares", "huber", "tukey")
 def test_one_wrong_row(loss: str) -> None:
     """Of 10,000: least squares say that they are spoiled, robust losses reach the truth."""
     t = np.linspace(0, 20, 10_000)
@@ -297,11 +270,8 @@ def test_a_motion_that_does_not_explain() -> None:
     """Friction that the model has not: residuals that repeat, or a drift, are named."""
     t = np.linspace(0, 10, 1001)
     body = spintop.Body(**TOP, damping=(0, 0, 2e-6))
-    data = {
-        "t": t,
-        "theta": spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002),
-    }
-    result = spintop.fit(data, ["initial.omega3", "initial.theta"], BESIDE)
+    theta = spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002)
+    result = spintop.fit({"t": t, "theta": theta}, ["initial.omega3", "initial.theta"], BESIDE)
     assert not result.ok
     assert "poor_fit: the residuals of theta are no noise" in result.summary
 
@@ -315,16 +285,14 @@ def test_no_profile() -> None:
     assert np.isfinite([result.rows["lower"], result.rows["upper"]]).all()
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
-        (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
-        (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
-        (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
-        (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
-        (lambda data: data.pop("t"), "no times"),
-    ],
+@each(
+    "change, message",
+    (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
+    (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
+    (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
+    (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
+    (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
+    (lambda data: data.pop("t"), "no times"),
 )
 def test_mistakes_are_named(change, message: str) -> None:
     """What is no measurement of a motion is refused by name, without a file of the package."""
@@ -351,18 +319,13 @@ def test_drawn_motions() -> None:
     assert reached >= 16
 
 
-# Fits from Python: what measurements determine, and what they do not.
-
 TRUTH = {"top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
-GIVEN = {
-    "top": {"mass": 1, "inertia": (0.875, 0.875, 0.26), "length": 0.75**0.5},
-    "initial": {"theta": 0.5, "psi_rate": 13.8},
-}
+GIVEN = {"top": {"mass": 1, "inertia": (0.875, 0.875, 0.26), "length": 0.75**0.5}}
+GIVEN["initial"] = {"theta": 0.5, "psi_rate": 13.8}
 NOISE = 1e-3
 
 
 def measure(*columns: str) -> dict[str, np.ndarray]:
-    """Columns of the true motion with noise, rad."""
     body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
     t = np.linspace(0.0, 5.0, 101)
     exact = spintop.Top(body, theta=0.5, psi_rate=14.0).exact(t, list(columns))
@@ -371,8 +334,6 @@ def measure(*columns: str) -> dict[str, np.ndarray]:
 
 
 class FitTest(unittest.TestCase):
-    """Two numbers of a symmetric top."""
-
     def test_covariance_is_that_of_the_derivatives(self) -> None:
         """The inverse of J'J, with the Jacobian J of the motion's own derivatives, to 1e-8."""
         columns = ["phi", "theta", "psi"]

@@ -31,8 +31,6 @@ def run_program(command: list[object], **options: object) -> subprocess.Complete
 
 
 class TableTest(unittest.TestCase):
-    """The exhibits and what they refer to."""
-
     def test_exhibits(self) -> None:
         """Names are different; inputs and kinds of figures exist; captions end."""
         names = [exhibit.name for exhibit in GALLERY]
@@ -49,7 +47,6 @@ class TableTest(unittest.TestCase):
                     assert (ROOT / "input" / f"{run.input}.nml").is_file()
 
     def test_paper(self) -> None:
-        """Every figure of the paper that has numbers is there, and its table."""
         names = {exhibit.name for exhibit in GALLERY}
         paper = {f"figure{number}" for number in (2, 3, 4, 5, 6, 7, 8, 9, 11)} | {"table1"}
         assert paper <= names
@@ -99,7 +96,6 @@ class GalleryTest(TableCase):
                 self.assertAlmostEqual(int(count[1]) / NUTATIONS / cost, 1, delta=0.04)
 
     def gallery(self, *arguments: str | Path) -> tuple[int, str, str]:
-        """Run its main procedure with the program under test."""
         script = str(ROOT / "scripts" / "gallery")
         main = runpy.run_path(script)["main"]
         with unittest.mock.patch("subprocess.run", run_program):
@@ -108,14 +104,11 @@ class GalleryTest(TableCase):
     def test_draw(self) -> None:
         """Figures, tables and an index with captions; a table is computed once."""
         folder = self.folder / "new" / "gallery"
-        code, output, complaints = self.gallery(
-            "-o", folder, "figure8", "figure9", "tips", "events"
-        )
+        wanted = ("figure8", "figure9", "tips", "events")
+        code, output, complaints = self.gallery("-o", folder, *wanted)
         assert (code, complaints) == (0, "")
-        stems = [
-            *("slow_top_lagrange_ode45_angles", "slow_top_lagrange_ode45_forces"),
-            *("slow_top_events.events_events", "traces"),
-        ]
+        stems = ["slow_top_lagrange_ode45_angles", "slow_top_lagrange_ode45_forces"]
+        stems += ["slow_top_events.events_events", "traces"]
         expected = [*(str(folder / f"{stem}.png") for stem in stems), str(folder / "gallery.md")]
         assert output.split("\n")[:-1] == expected
         tables = {path.stem for path in (folder / "tables").iterdir()}
@@ -123,8 +116,7 @@ class GalleryTest(TableCase):
         assert tables == {*expected, "slow_top_events", "slow_top_events.events"}
         index = (folder / "gallery.md").read_text("utf-8")
         for exhibit in GALLERY:
-            shown = exhibit.name in ("figure8", "figure9", "tips", "events")
-            assert (exhibit.caption in index) == shown
+            assert (exhibit.caption in index) == (exhibit.name in wanted)
         assert "slow_top_events.events.csv. spintop " in index
         assert "ODE45, default tolerances" in index
         for stem in stems:
@@ -132,7 +124,6 @@ class GalleryTest(TableCase):
             assert (folder / f"{stem}.svg").stat().st_size > 10_000
 
     def test_list(self) -> None:
-        """All are listed, nothing is drawn."""
         code, output, _ = self.gallery("--list", "-o", self.folder / "none")
         assert (code, len(output.split("\n")) - 1) == (0, len(GALLERY))
         assert "(long)" in output
@@ -151,7 +142,6 @@ class GalleryTest(TableCase):
         assert "slow_top_lagrange_ode45.nml ended with exit code 1" in complaints
 
     def test_small(self) -> None:
-        """Pictures of the documentation are of few colours, and small."""
         for path in (ROOT / "doc" / "figures").glob("*.png"):
             assert path.stat().st_size < 200_000, path.name
             with Image.open(path) as picture:

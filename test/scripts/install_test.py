@@ -3,7 +3,6 @@
 import os
 import re
 import shutil
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -43,17 +42,14 @@ class InstallTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Install, and write the example of the page."""
         cls.folder = Path(tempfile.mkdtemp(prefix="spintop install "))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         cls.prefix = cls.folder / "pre fix"
-        command = [ROOT / "scripts/install", cls.prefix]
-        subprocess.run(command, check=True, capture_output=True)
+        execute(ROOT / "scripts/install", cls.prefix)
         cls.source = cls.folder / "example.c"
         cls.source.write_text(BLOCKS[0].text, encoding="utf-8")
 
     def call(self, *command: str | Path, **environment: str) -> str:
-        """The output of a command that must succeed."""
         return execute(*command, cwd=self.folder, environment=environment).stdout
 
     def check_example(self, program: Path) -> None:
@@ -83,9 +79,8 @@ class InstallTest(unittest.TestCase):
             self.skipTest("no groff")
         done = execute("groff", "-man", "-Tutf8", "-P-cbou", "-ww", page)
         self.assertEqual(done.stderr, "")
-        for heading in ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES"):
-            self.assertIn(heading, done.stdout)
-        for heading in ("FILES", "ENVIRONMENT", "SEE ALSO"):
+        headings = ("NAME", "SYNOPSIS", "DESCRIPTION", "OPTIONS", "EXIT STATUS", "EXAMPLES")
+        for heading in (*headings, "FILES", "ENVIRONMENT", "SEE ALSO"):
             self.assertIn(heading, done.stdout)
 
     def test_example_of_the_manual_page(self) -> None:
@@ -127,18 +122,13 @@ class InstallTest(unittest.TestCase):
         self.assertNotIn("RWE", stack)
 
     def test_pkg_config(self) -> None:
-        """The example of the page, with its flags."""
         if not shutil.which("pkg-config"):
             self.skipTest("no pkg-config")
         path = str(self.prefix / "lib/pkgconfig")
-        self.assertEqual(
-            self.call("pkg-config", "--modversion", "spintop", PKG_CONFIG_PATH=path).strip(),
-            self.call(self.prefix / "bin/spintop", "--version").split()[1],
-        )
-        command = (
-            "eval cc -Wall -Werror example.c $(pkg-config --cflags --libs spintop)"
-            """ '-Wl,-rpath,"$RPATH"' -o by_pkg_config"""
-        )
+        found = self.call("pkg-config", "--modversion", "spintop", PKG_CONFIG_PATH=path).strip()
+        self.assertEqual(found, self.call(self.prefix / "bin/spintop", "--version").split()[1])
+        command = "eval cc -Wall -Werror example.c $(pkg-config --cflags --libs spintop)"
+        command += """ '-Wl,-rpath,"$RPATH"' -o by_pkg_config"""
         self.call("bash", "-c", command, PKG_CONFIG_PATH=path, RPATH=str(self.prefix / "lib"))
         self.check_example(self.folder / "by_pkg_config")
 
@@ -155,9 +145,7 @@ class InstallTest(unittest.TestCase):
             self.call("cmake", "--build", build)
             self.check_example(build / "example")
         (self.folder / "CMakeLists.txt").write_text(CMAKE.format(version="9.0"), "utf-8")
-        command = ["cmake", "-S", ".", "-B", "build9", prefix]
-        done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True, check=False)
-        self.assertNotEqual(done.returncode, 0)
+        done = execute("cmake", "-S", ".", "-B", "build9", prefix, cwd=self.folder, code=1)
         self.assertIn("9.0", done.stderr)
 
     def test_cmake_of_fortran(self) -> None:
@@ -179,9 +167,6 @@ class InstallTest(unittest.TestCase):
             self.assertRegex(line, r"^t = +\d\.\d s: phi, theta, psi =( +\d\.\d{8}){3}$")
 
     def test_usage(self) -> None:
-        """Without a folder the script says how it is used."""
         for arguments in ((), ("--wrong",), ("a", "b")):
-            command = [ROOT / "scripts/install", *arguments]
-            done = subprocess.run(command, capture_output=True, text=True, check=False)
-            self.assertEqual(done.returncode, 2)
+            done = execute(ROOT / "scripts/install", *arguments, code=2)
             self.assertIn("usage: scripts/install PREFIX", done.stderr)

@@ -42,8 +42,6 @@ TEXTS = """
 
 
 class DictionaryTest(unittest.TestCase):
-    """The dictionary, and the sources that use it."""
-
     def test_complete(self) -> None:
         """Every key has words in every language, with the same places for values."""
         for key, texts in WORDS.items():
@@ -83,14 +81,11 @@ class DictionaryTest(unittest.TestCase):
                         self.assertNotRegex(literal, PROSE, f"{path.name}: {line}")
 
     def test_prose_is_found(self) -> None:
-        """A sentence is taken for one."""
         for text in ("The link is copied.", "spin too slow", "Steady precession"):
             self.assertRegex(text, PROSE)
 
 
 class LanguageTest(LiveCase):
-    """The page in its languages."""
-
     def texts(self, actions: str = "") -> list[str]:
         """What the page says after some actions, or after each of those that yield."""
         return self.run_script(f"{TEXTS} {actions} return textsOfPage();")
@@ -121,7 +116,6 @@ class LanguageTest(LiveCase):
         self.assertEqual(self.violations(), [])
 
     def test_strange_words_are_found(self) -> None:
-        """English on a German page is noticed."""
         self.open(self.page, "#lang=de")
         texts = self.texts("liveTop.parts.class.textContent = 'Steady precession';")
         self.assertEqual(self.strange_words("de", texts), {"Steady", "precession"})

@@ -5,7 +5,6 @@ import math
 import os
 import random
 import shutil
-import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from browser_case import BROWSER, need_packages, open_browser
-from conftest import ROOT, Spin
+from conftest import ROOT, Spin, execute
 from random_tops import CLASSES, draw_top
 from reporting.packages import bundle, esbuild_package
 
@@ -184,7 +183,6 @@ def draw_body(number: int) -> tuple[str, Body]:
 
 
 def rate_of(body: Body) -> float:
-    """How fast a body turns, about, rad/s."""
     swing = math.hypot(body["phiRate"], body["thetaRate"], body["omega3"])
     arm = body["mass"] * body["gravity"] * np.linalg.norm(body["centre"])
     natural = math.sqrt(arm / max(body["inertia"]))
@@ -231,7 +229,6 @@ def by_program(folder: Path, bodies: list[tuple[Body, float]], columns: str) -> 
 
 
 def quaternion(phi: float, theta: float, psi: float) -> np.ndarray:
-    """The attitude with these angles."""
     plus, minus = (phi + psi) / 2, (phi - psi) / 2
     c, s = math.cos(theta / 2), math.sin(theta / 2)
     return np.array(
@@ -262,10 +259,7 @@ class Page:
         if self.browser:
             return json.loads(self.browser.execute_script(f"return {name}({words})"))
         program = f"{self.script};process.stdout.write({name}({words}))"
-        done = subprocess.run(
-            [self.node, "-"], input=program, capture_output=True, text=True, check=True
-        )
-        return json.loads(done.stdout)
+        return json.loads(execute(self.node, "-", input=program).stdout)
 
     def motions(self, bodies: list[tuple[Body, list[float]]]) -> list[dict]:
         """Nutation and states of bodies at times, as the page computes them."""
@@ -282,11 +276,8 @@ class Page:
 
 @unittest.skipUnless(BROWSER or shutil.which("node"), "neither node nor a browser")
 class MotionTest(unittest.TestCase):
-    """The modules in `page/dynamics`, against tables of the program."""
-
     @classmethod
     def setUpClass(cls) -> None:
-        """Bundle the modules."""
         need_packages("three", esbuild_package())
         scratch = tempfile.TemporaryDirectory(prefix="motion ", ignore_cleanup_errors=True)
         cls.addClassCleanup(scratch.cleanup)
@@ -354,7 +345,6 @@ class MotionTest(unittest.TestCase):
                 self.compare(bodies, OF_FREE if free_of_effects else OF_EFFECTS)
 
     def test_rest(self) -> None:
-        """Where and when dry friction stops a body."""
         bodies = [(name, body, span) for name, (body, span) in AT_REST.items()]
         for row, motion in self.compare(bodies, OF_EFFECTS):
             self.assertAlmostEqual(motion["stop"], float(row["t_stuck"]), delta=2e-8)
@@ -367,7 +357,6 @@ class MotionTest(unittest.TestCase):
                 self.compare_table(body, t_end)
 
     def compare_table(self, body: Body, t_end: float) -> None:
-        """Every column of every row of a table."""
         settings = [f"span.t_end={t_end!r}", f"output.columns=t,{','.join(COLUMNS)}"]
         for key, value in body.items():
             values = value if isinstance(value, tuple) else (value,)
@@ -379,12 +368,8 @@ class MotionTest(unittest.TestCase):
         sizes = {name: max(1.0, *(abs(float(row[name])) for row in rows)) for name in COLUMNS}
         for row, state in zip(rows, motion["states"], strict=True):
             values = [*state["angle"], *state["rate"], *state["omega"], *state["quaternion"]]
-            values += [
-                *state["momentum"][2:],
-                *state["force"],
-                state["kinetic"],
-                state["potential"],
-            ]
+            values += [*state["momentum"][2:], *state["force"]]
+            values += [state["kinetic"], state["potential"]]
             for name, value in zip(COLUMNS, values, strict=True):
                 error = abs(value - float(row[name]))
                 self.assertLess(error, LEAST * sizes[name], f"{name} at {row['t']}")

@@ -2,11 +2,10 @@
 
 import base64
 import math
-import subprocess
 from collections.abc import Callable
 
 from browser_case import DESKTOP, SOFTWARE_WEBGL, LiveCase, wait_for
-from conftest import EXE
+from conftest import EXE, execute
 from spintop_figures.tables.table import read_table
 
 BYTES = 1_000_000
@@ -32,10 +31,7 @@ CLASSES = {
 
 
 class LiveTest(LiveCase):
-    """The page as one uses it."""
-
     def test_small(self) -> None:
-        """The page is small, and needs nothing else."""
         self.assertLess(self.page.stat().st_size, BYTES)
 
     def test_presets(self) -> None:
@@ -244,9 +240,8 @@ class LiveTest(LiveCase):
         text = wait_for(lambda: self.text("input"), "the input")
         path = self.folder / f"{name}.nml"
         path.write_text(text, encoding="utf-8")
-        tight = ("--set", "integration.relative_tolerance=1e-12")
-        command = [EXE, "--quiet", "-o", self.folder, *tight, path]
-        subprocess.run(command, check=True, capture_output=True)
+        tight = "--set=integration.relative_tolerance=1e-12"
+        execute(EXE, "--quiet", "-o", self.folder, tight, path)
         rows = read_table(self.folder / f"{name}.csv").rows
         last = self.run_script("return liveTop.track.at(liveTop.track.span)")
         self.assertAlmostEqual(last["t"], rows["t"].iloc[-1], delta=1e-9 * last["t"])
@@ -257,7 +252,6 @@ class LiveTest(LiveCase):
             self.assertAlmostEqual(value, right, delta=1e-6)
 
     def test_keys(self) -> None:
-        """Everything can be done without a mouse."""
         from selenium.webdriver.common.keys import Keys
 
         stage = self.part(self.section, "stage")
@@ -280,7 +274,6 @@ class LiveTest(LiveCase):
         self.assertIn("Tilt 50.00° to 77.49°", words)
 
     def test_full_screen(self) -> None:
-        """The live top fills the screen, and leaves it."""
         button = self.part(self.section, "screen")
         button.click()
         wait_for(
@@ -339,8 +332,6 @@ class LiveTest(LiveCase):
 
 
 class ShadedTest(LiveCase):
-    """The page with WebGL."""
-
     flags = SOFTWARE_WEBGL
 
     def test_keys_of_the_view(self) -> None:
@@ -379,10 +370,8 @@ class ShadedTest(LiveCase):
         arrow = "liveTop.stage.project(liveTop.axisNow().multiplyScalar(liveTop.picture.tip * {}))"
         self.run_script("liveTop.clock.seek(0)")
         self.drag(arrow.format("1"), 0, 60)
-        theta = wait_for(
-            lambda: self.run_script("return liveTop.state.theta !== 50 && liveTop.state.theta"),
-            "another tilt",
-        )
+        script = "return liveTop.state.theta !== 50 && liveTop.state.theta"
+        theta = wait_for(lambda: self.run_script(script), "another tilt")
         self.assertTrue(50 < theta < 120, theta)
         self.assertEqual(float(self.control("theta", "text").get_property("value")), theta)
         self.assertEqual(self.run_script("return liveTop.state.omega3"), 30)
@@ -440,16 +429,8 @@ class ShadedTest(LiveCase):
         """Path, body, arrows and cones come and go."""
         self.choose("loop")
         self.run_script("liveTop.clock.seek(2.3)")
-        for name in (
-            "body_shown",
-            "trace",
-            "momentum",
-            "omega",
-            "force",
-            "torque",
-            "change",
-            "cones",
-        ):
+        arrows = ("momentum", "omega", "force", "torque", "change")
+        for name in ("body_shown", "trace", *arrows, "cones"):
             with self.subTest(name), self.changing(self.section):
                 self.part(self.section, name).click()
 
@@ -476,15 +457,9 @@ class ShadedTest(LiveCase):
         self.assertEqual((first, slow, fast), (second, -1.2, 0.8))
         with self.changing(self.section):  # in both pictures
             self.run_script("liveTop.clock.seek(1.1)")
-        link = wait_for(
-            lambda: (
-                "second=phi_rate:0.8&beside=yes"
-                in (found := self.run_script("return location.hash"))
-                and found
-            ),
-            "the link",
-        )
-        self.open(self.page, link)
+        state = "second=phi_rate:0.8&beside=yes"
+        wait_for(lambda: state in self.run_script("return location.hash"), "the link")
+        self.open(self.page, self.run_script("return location.hash"))
         self.wait_for_text("second_name", "φ\N{PRIME}₀ = 0.8 rad/s: Waves")
         self.set_screen(390, 844, touch=True)
         places = """
@@ -527,11 +502,9 @@ class WalkTest(LiveCase):
         wait_for(lambda: self.read("class"), "the top")
 
     def read(self, name: str) -> str:
-        """What one reads on the screen."""
         return self.part(self.section, name).text
 
     def choose_by_title(self, title: str) -> None:
-        """Choose a preset from the menu."""
         menu = self.part(self.section, "preset")
         menu.find_element("xpath", f"option[. = '{title}']").click()
 
@@ -541,7 +514,6 @@ class WalkTest(LiveCase):
         return float(facts[facts.index("Tilt") + 1].partition(" to ")[2].rstrip("°"))
 
     def press(self, name: str, key: str, until: Callable[[], bool]) -> None:
-        """Press an arrow key on a slider until one sees what one wants."""
         slider = self.control(name, "range")
         for _ in range(40):
             if until():
@@ -594,6 +566,5 @@ class WalkTest(LiveCase):
         self.press("phi_rate", Keys.ARROW_LEFT, lambda: self.read("class") == "Loops")
 
     def test_walk(self) -> None:
-        """From the open page to loops."""
         self.find_where_it_sleeps()
         self.see_a_cusp_become_a_loop()

@@ -1,12 +1,10 @@
 """The manual agrees with the program: its commands, inputs, programs, tables and links."""
 
-import csv
 import os
 import re
 import shutil
 import subprocess
 import sys
-import tempfile
 import unittest
 from collections import Counter
 from itertools import pairwise, zip_longest
@@ -14,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute
+from conftest import EXE, KIND, MPI, MPI_EXE, ROOT, execute, read
 from manual.pages import Block, anchors_of, blocks_of, links_of, manual_pages, prose_of
 from manual.tables import registries, renewed
 
@@ -87,7 +85,6 @@ build() {{ :; }}
 
 
 def commands_of(block: Block) -> list[str]:
-    """The commands of a block of a shell."""
     lines = block.text.splitlines()
     if block.tags[0] == "console":
         return [line[2:] for line in lines if line.startswith("$ ")]
@@ -95,7 +92,6 @@ def commands_of(block: Block) -> list[str]:
 
 
 def outputs_of(block: Block) -> list[list[str]]:
-    """The output of each command of a console block."""
     outputs: list[list[str]] = []
     for line in block.text.splitlines():
         if line.startswith("$ "):
@@ -134,18 +130,15 @@ def with_groups(base: str, text: str) -> str:
 
 
 def parts_of_library_page() -> dict[tuple[str, ...], str]:
-    """The blocks of the library's page by their tags."""
     return {block.tags: block.text for block in BLOCKS if block.page.name == "library.md"}
 
 
+@pytest.mark.usefixtures("folder")
 class ManualCase(unittest.TestCase):
     """A folder that looks like a checkout that is set up and built."""
 
     def setUp(self) -> None:
         """Copies of what commands may change, links to the rest."""
-        folder = tempfile.TemporaryDirectory(prefix="spintop manual ")
-        self.addCleanup(folder.cleanup)
-        self.folder = Path(folder.name)
         shutil.copytree(ROOT / "input", self.folder / "input")
         for name in ("python", "reference"):
             (self.folder / name).symlink_to(ROOT / name)
@@ -163,7 +156,6 @@ class ManualCase(unittest.TestCase):
                 (self.folder / "build" / kind / "spintop").symlink_to(Path(program).resolve())
 
     def shell(self, command: str) -> subprocess.CompletedProcess:
-        """Run a command as a user would type it."""
         folders = [self.folder / "build/release", Path(sys.executable).parent]
         path = ":".join([*map(str, folders), os.environ["PATH"]])
         environment = MPI | {"PATH": path, "SPINTOP_EXE": str(EXE)}
@@ -178,7 +170,6 @@ class ManualCase(unittest.TestCase):
             self.assertTrue(agree(line, found), f"- {line}\n+ {found}")
 
     def check(self, text: str) -> subprocess.CompletedProcess:
-        """Have the program check an input."""
         scene = self.folder / "scene.nml"
         scene.write_text(text, encoding="utf-8")
         return self.shell("spintop --check scene.nml")
@@ -277,12 +268,10 @@ class ManualTest(unittest.TestCase):
         self.assertFalse(agree("slow_top_1.csv", "slow_top_2.csv"))
 
     def test_groups(self) -> None:
-        """Groups of a part take the place of those of its base."""
         base = "&top mass = 1, title = 'a/b' / &span t_end = 1 / ! &top /\n"
         found = with_groups(base, "&top mass = 2 /").split("/")
-        self.assertEqual(
-            [group.strip() for group in found], ["&span t_end = 1", "&top mass = 2", ""]
-        )
+        kept = [group.strip() for group in found]
+        self.assertEqual(kept, ["&span t_end = 1", "&top mass = 2", ""])
 
     def test_references(self) -> None:
         """Each is cited, and each citation has one with an author, a title and a year."""
@@ -310,7 +299,6 @@ class ManualTest(unittest.TestCase):
             self.assertTrue((ROOT / path).is_file(), path)
 
     def test_parts_and_length(self) -> None:
-        """The parts that are required, in the usual length."""
         for heading in ("Summary", "Statement of need", "References"):
             self.assertIn(f"\n# {heading}\n", TEXT)
         words = len(TEXT.split("---", 2)[2].split())
@@ -319,10 +307,7 @@ class ManualTest(unittest.TestCase):
 
 
 class CommandsTest(ManualCase):
-    """Commands, inputs and programs of the pages."""
-
     def run_block(self, block: Block) -> None:
-        """Run the commands of a block, and compare what they print."""
         code = next((int(tag[-1]) for tag in block.tags if tag.startswith("exit=")), 0)
         outputs = outputs_of(block) if block.tags[0] == "console" else None
         for i, command in enumerate(commands_of(block)):
@@ -336,13 +321,6 @@ class CommandsTest(ManualCase):
                 for expected, line in zip_longest(outputs[i], found, fillvalue=""):
                     self.assertTrue(agree(expected, line), f"{command}\n- {expected}\n+ {line}")
 
-    def run_python(self, block: Block) -> None:
-        """Run a program, which prints something."""
-        command = [sys.executable, "-W", "error", "-c", block.text]
-        result = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
-        self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertNotEqual(result.stdout, "")
-
     @unittest.skipUnless(KIND == "release", "the commands take long with run-time checks")
     @pytest.mark.slow
     def test_commands(self) -> None:
@@ -353,7 +331,8 @@ class CommandsTest(ManualCase):
         for block in BLOCKS:
             if block.tags[0] == "python" and not set(block.tags) & {"file", "library", *NOT_RUN}:
                 with self.subTest(str(block)):
-                    self.run_python(block)
+                    words = (sys.executable, "-W", "error", "-c", block.text)
+                    self.assertNotEqual(execute(*words, cwd=self.folder).stdout, "")
             if block.tags[0] not in SHELL:
                 continue
             if (
@@ -416,18 +395,15 @@ class CommandsTest(ManualCase):
         for stem in stems:
             run = self.shell(f"spintop --set output.columns={columns} input/{stem}.nml")
             self.assertEqual(run.returncode, 0, run.stderr)
-            with (self.folder / "output" / f"{stem}.csv").open(encoding="utf-8") as table:
-                found = csv.DictReader(line for line in table if not line.startswith("#"))
-                for row, cells in zip(rows, found, strict=True):
-                    azimuth, *ranges, nutations = (float(cells[key]) for key in columns.split(","))
-                    row += [f"{azimuth:.3f}", *(f"{value:.4g}" for value in ranges)]
-                    row += [f"{nutations:.2f}"]
+            found = read(self.folder / f"output/{stem}.csv")[columns.split(",")].to_numpy()
+            for row, (azimuth, *ranges, nutations) in zip(rows, found, strict=True):
+                row += [f"{azimuth:.3f}", *(f"{value:.4g}" for value in ranges)]
+                row += [f"{nutations:.2f}"]
         page = (ROOT / "doc/paper_results.md").read_text(encoding="utf-8")
         for row in rows:
             self.assertIn(f" | {' | '.join(row)} |\n", page)
 
     def test_limits(self) -> None:
-        """Settings that the manual calls refused are refused, for the reason given there."""
         for case, reason in REFUSED.items():
             name, *settings = case.split()
             text = (ROOT / f"input/{name}.nml").read_text(encoding="utf-8")
@@ -444,15 +420,13 @@ class CommandsTest(ManualCase):
 
     @unittest.skipUnless(KIND == "release", "does not use the program under test")
     def test_the_library(self) -> None:
-        """The program of the library's page prints what the page says."""
         parts = parts_of_library_page()
         source, program = self.folder / "main.f90", self.folder / "my_top"
         source.write_text(parts["fortran",], encoding="utf-8")
         modules = ROOT / "build/release/test/modules"
         link = ("-L", modules, "-ltested", f"-Wl,-rpath,{modules}", "-o", program)
         script = '. "$0"/scripts/setup; cd "$0"; compile_test release "$@"'
-        command = ["bash", "-c", script, ROOT, f"-J{self.folder}", source, *link]
-        subprocess.run(command, check=True)
+        execute("bash", "-c", script, ROOT, f"-J{self.folder}", source, *link)
         self.check_output(self.shell("./my_top"), parts["text", "output"])
 
 

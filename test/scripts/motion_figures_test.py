@@ -72,9 +72,8 @@ class MotionFiguresTest(TableCase):
         assert "not symmetric about body z" in self.refusal("portrait", body)
         steady = self.compute("regular_precession")
         assert "too steady" in self.refusal("potential", steady)
-        assert "has no column theta, theta_rate" in self.refusal(
-            "potential", self.compute("long_drift", "span.nutations=3")
-        )
+        drift = self.compute("long_drift", "span.nutations=3")
+        assert "has no column theta, theta_rate" in self.refusal("potential", drift)
 
     def test_classes(self) -> None:
         """Loops lie above the cusps, waves below; a top that falls is near the upright point."""
@@ -118,18 +117,14 @@ class MotionFiguresTest(TableCase):
         lines = {line.get_label(): line for line in axes.lines}
         theta, rate = lines["separatrix, to the upright"].get_data()
         order = np.argsort(table.rows["theta"])
-        moving = np.interp(
-            theta, np.degrees(table.rows["theta"])[order], -table.rows["theta_rate"][order]
-        )
+        thetas, rates = np.degrees(table.rows["theta"]), table.rows["theta_rate"]
+        moving = np.interp(theta, thetas[order], -rates[order])
         inside = (theta > 1) & (theta < 119)
         np.testing.assert_allclose(rate[inside], moving[inside], atol=2e-3)
         axes = draw_potential(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
-        ends = {
-            line.get_xdata()[0]: line
-            for line in axes.lines
-            if line.get_marker() == "o" and len(line.get_xdata())
-        }
+        dots = [line for line in axes.lines if line.get_marker() == "o" and len(line.get_xdata())]
+        ends = {line.get_xdata()[0]: line for line in dots}
         np.testing.assert_allclose(sorted(ends), (0, 120), atol=1e-4)
         assert ends[0.0].get_markerfacecolor() == GROUND  # it approaches this one
         words = [text.get_text() for text in axes.texts]
@@ -153,10 +148,8 @@ class MotionFiguresTest(TableCase):
             np.testing.assert_allclose(basis @ basis.T, np.eye(3), atol=1e-14)
             seen = np.hypot(*sphere.project(*tip, view)[:2]).max() / view.window
             assert 0.85 < seen < 1, (name, seen)
-        assert (
-            sphere.view_of(sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50)))
-            is sphere.WHOLE
-        )
+        around = sphere.on_sphere(np.linspace(0, 3, 50), np.linspace(0, 9, 50))
+        assert sphere.view_of(around) is sphere.WHOLE
 
     def test_turns(self) -> None:
         """Azimuths are in degrees, many of them in turns."""
@@ -183,11 +176,8 @@ class MotionFiguresTest(TableCase):
         table = self.compute("tip_wave")
         theta, phi = (table.rows[name].to_numpy() for name in ("theta", "phi"))
         x, _, _ = sphere.project(*sphere.on_sphere(theta, phi))
-        whole = [
-            line
-            for line in sphere.draw_trace(table).axes[0].lines
-            if len(line.get_xdata()) == len(x)
-        ]
+        lines = sphere.draw_trace(table).axes[0].lines
+        whole = [line for line in lines if len(line.get_xdata()) == len(x)]
         drawn = np.array([line.get_xdata() for line in whole])
         assert len(whole) == 2
         np.testing.assert_array_equal(np.nanmax(drawn, axis=0), x)
@@ -199,19 +189,16 @@ class MotionFiguresTest(TableCase):
         _, (x, y, z), _ = sphere.in_body_and_space(table)
         np.testing.assert_allclose(z, rows["phi_rate"] + rows["psi_rate"] * np.cos(rows["theta"]))
         np.testing.assert_allclose(np.hypot(x, y), rows["psi_rate"][0] * np.sin(rows["theta"][0]))
-        np.testing.assert_allclose(
-            np.arctan2(x, -y), np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"])), atol=1e-9
-        )
+        phi = np.arctan2(np.sin(rows["phi"]), np.cos(rows["phi"]))
+        np.testing.assert_allclose(np.arctan2(x, -y), phi, atol=1e-9)
 
     def test_rolling(self) -> None:
         """The cones touch at the start, and roll: their curves have one speed there."""
         table = self.compute("separatrix")
         body, space, at_start = sphere.in_body_and_space(table)
         np.testing.assert_allclose(at_start[:, 0], space[:, 0], atol=1e-12)
-        lengths = [
-            np.linalg.norm(np.diff(sphere.directions(omega)[:, :20], axis=1), axis=0).sum()
-            for omega in (body, space)
-        ]
+        paths = (sphere.directions(omega)[:, :20] for omega in (body, space))
+        lengths = [np.linalg.norm(np.diff(path, axis=1), axis=0).sum() for path in paths]
         self.assertAlmostEqual(lengths[0] / lengths[1], 1, 2)
         assert len(sphere.draw_cones(table).axes) == 4
 
@@ -230,29 +217,25 @@ class MotionFiguresTest(TableCase):
         """They are files of their own; each table has to have what they ask for."""
         paths = []
         for method in ("taylor", "dop853"):
-            table = self.compute(
-                "long_drift", "span.nutations=9", "span.samples=10", f"integration.method={method}"
-            )
+            few = ("span.nutations=9", "span.samples=10")
+            table = self.compute("long_drift", *few, f"integration.method={method}")
             paths.append(table.path.rename(self.folder / f"{method}.csv"))
         motion = self.put("motion.csv", a_trajectory())
         for name, tables in (("drift", paths), ("traces", [motion, motion])):
             folder = self.folder / name
-            assert self.call("--together", name, "-o", folder, *tables) == (0, "")
+            assert self.call("--together", name, "-o", folder, *tables) == ""
             self.check_pictures(folder, {name})
         sweep = self.put("sweep.csv", a_sweep())
-        code, complaint = self.call("--together", "traces", motion, sweep)
-        assert code == 2
-        assert "sweep.csv: is no table of the kind trajectory: no traces" in complaint
-        code, complaint = self.call("--together", "drift", motion)
-        assert (code, "no column energy_error" in complaint) == (2, True)
         exact = self.put("exact.csv", a_trajectory([*TRAJECTORY, "energy_error"], energy_error=0.0))
-        code, complaint = self.call("--together", "drift", exact)
-        assert (code, "no error of the energy above zero" in complaint) == (2, True)
-        code, complaint = self.call("--together", "traces", self.folder / "none.csv")
-        assert (code, "no such file" in complaint) == (2, True)
+        for name, tables, reason in (
+            ("traces", (motion, sweep), "sweep.csv: is no table of the kind trajectory: no traces"),
+            ("drift", (motion,), "no column energy_error"),
+            ("drift", (exact,), "no error of the energy above zero"),
+            ("traces", (self.folder / "none.csv",), "no such file"),
+        ):
+            assert reason in self.call("--together", name, *tables, code=2)
 
     def test_names(self) -> None:
-        """No comparison has the name of a figure."""
         names = [kind.name for kind in (*FIGURES, *COMPARISONS)]
         assert len(names) == len(set(names))
 
@@ -260,9 +243,8 @@ class MotionFiguresTest(TableCase):
         """They have the figures of others, which are the same."""
         own = ("t", "phi", "theta", "psi", "com_z")
         other = ("t_ms", "phi_deg", "theta_turns", "psi_mrad", "com_z_mm")
-        tables = [
-            self.compute("slow_top", f"output.columns={','.join(names)}") for names in (own, other)
-        ]
+        columns = (f"output.columns={','.join(names)}" for names in (own, other))
+        tables = [self.compute("slow_top", setting) for setting in columns]
         assert list(tables[1].rows) == list(other)
         assert tables[1].units["theta_turns"] == "turns"
         drawn = []
@@ -284,9 +266,8 @@ class MotionFiguresTest(TableCase):
         self.compute("fit")
         table = read_table(self.folder / "fit.residuals.csv")
         *panels, side = draw_fit(table).axes
-        for (above, below), name in zip(
-            zip(panels[::2], panels[1::2], strict=True), ("phi", "theta", "psi"), strict=True
-        ):
+        for place, name in enumerate(("phi", "theta", "psi")):
+            above, below = panels[2 * place : 2 * place + 2]
             assert "(degrees)" in above.get_title("left")
             assert below.get_ylabel() == "residual"
             fitted, measured = (line.get_ydata() for line in above.lines)
@@ -339,11 +320,9 @@ class MotionFiguresTest(TableCase):
 
     def test_lines(self) -> None:
         """The panels show the columns; energy and what was taken add up to that of the start."""
-        table = self.compute(
-            "friction_to_rest", "span.samples=601", "output.columns=all", "effects.drag_force=0"
-        )
-        figure = draw_account(table)
-        theta, spin, energy, error = figure.axes
+        settings = ("span.samples=601", "output.columns=all", "effects.drag_force=0")
+        table = self.compute("friction_to_rest", *settings)
+        theta, spin, energy, error = draw_account(table).axes
         words = [text.get_text() for text in energy.get_legend().get_texts()]
         for name in ("taken by friction", "taken by drag"):
             assert name in words
@@ -361,9 +340,5 @@ class MotionFiguresTest(TableCase):
         assert largest == table.rows["energy_error"].abs().max()
 
     def test_other_tables(self) -> None:
-        """A table without works has no such figure."""
         kind = next(kind for kind in FIGURES if kind.name == "account")
         assert "has no column" in kind.refusal(self.read(a_trajectory()))
-
-
-# The figure of the account of energy: what it shows is what the program computes.

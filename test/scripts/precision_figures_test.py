@@ -18,7 +18,6 @@ AXES = ("initial.spin_ratio", "initial.theta")
 
 
 def listed_methods() -> dict[str, dict]:
-    """The methods that the program lists, by their names."""
     return {entry["name"]: entry for entry in listed("methods")}
 
 
@@ -39,10 +38,8 @@ class StyleTest(unittest.TestCase):
         assert len(methods) > 20
         styles = set()
         for name, entry in methods.items():
-            assert (known.family_of(name), known.order_of(name)) == (
-                entry["family"],
-                entry["order"],
-            )
+            assert known.family_of(name) == entry["family"]
+            assert known.order_of(name) == entry["order"]
             style = known.style_of(name)
             styles.add((style["marker"], str(style["linestyle"])))
             for table in entry["tables"] or ():
@@ -84,7 +81,6 @@ class PrecisionFiguresTest(TableCase):
         assert self.figures_of(a_map_of_problems()) == "tolerance_map"
 
     def test_refusals(self) -> None:
-        """The reason is given."""
         table = self.read(a_map_of_problems())
         assert precision.object_to_precision(table) == "has 12 problems, more than fit (6)"
         failed = a_precision().replace(",ok,", ",pole,")
@@ -97,11 +93,9 @@ class PrecisionFiguresTest(TableCase):
         assert "with several fixed step sizes" in refusal(table)
 
     def curves(self) -> dict[str, precision.Curve]:
-        """The curves of a made-up study, by their labels."""
-        rows = self.read(a_precision()).rows
-        return {
-            curve.label: curve for curve in precision.curves_of(rows[::-1], ("time_s", "error_max"))
-        }
+        rows = self.read(a_precision()).rows[::-1]
+        curves = precision.curves_of(rows, ("time_s", "error_max"))
+        return {curve.label: curve for curve in curves}
 
     def test_curves(self) -> None:
         """From coarse to fine; formulations where there are several; without what failed."""
@@ -119,10 +113,8 @@ class PrecisionFiguresTest(TableCase):
         axes = precision.draw_precision_time(table).axes[0]
         lines = {line.get_label(): line for line in axes.lines}
         rows = self.curves()["splitting 8"].rows
-        for data, name in zip(
-            lines["splitting 8"].get_data(), ("time_s", "error_max"), strict=True
-        ):
-            np.testing.assert_array_equal(data, rows[name])
+        drawn = lines["splitting 8"].get_data()
+        np.testing.assert_array_equal(drawn, (rows["time_s"], rows["error_max"]))
         texts = {text.get_text(): text for text in axes.texts}
         assert texts["exact solution"].xy == (2e-6, 3e-15)
 
@@ -133,15 +125,12 @@ class PrecisionFiguresTest(TableCase):
         best = precision.best_of_families(table.rows, "time_s")
         assert len({known.family_of(curve.method) for curve in best}) == len(best)
         for curve in curves:
-            mate = next(
-                c for c in best if known.family_of(c.method) == known.family_of(curve.method)
-            )
+            family = known.family_of(curve.method)
+            mate = next(each for each in best if known.family_of(each.method) == family)
             if np.isfinite(precision.time_to(curve)):
                 assert precision.time_to(mate) <= precision.time_to(curve)
-        for draw, cost in (
-            (precision.draw_precision_time, "time_s"),
-            (precision.draw_precision_work, "evaluations"),
-        ):
+        draws = (precision.draw_precision_time, precision.draw_precision_work)
+        for draw, cost in zip(draws, ("time_s", "evaluations"), strict=True):
             figure = draw(table)
             axes = figure.axes[0]
             named = {curve.label for curve in precision.best_of_families(table.rows, cost)}
@@ -176,11 +165,8 @@ class PrecisionFiguresTest(TableCase):
         table = self.read(a_precision())
         axes = precision.draw_precision_work(table).axes[0]
         fan = [line for line in axes.lines if len(line.get_xdata()) == 2]
-        slopes = [
-            -np.diff(np.log(line.get_ydata()))[0] / np.diff(np.log(line.get_xdata()))[0]
-            for line in fan
-        ]
-        np.testing.assert_allclose(slopes, (1, 2, 4, 8))
+        steps = [np.diff(np.log(line.get_data()))[:, 0] for line in fan]
+        np.testing.assert_allclose([-up / along for along, up in steps], (1, 2, 4, 8))
 
     def test_measured_orders(self) -> None:
         """The methods of the program have their orders; rounding has none."""
@@ -189,9 +175,8 @@ class PrecisionFiguresTest(TableCase):
         fixed = {name for name, entry in listed_methods().items() if entry["kind"] == "fixed"}
         assert {curve.method for curve in curves} == fixed
         for curve in curves:
-            self.assertAlmostEqual(
-                precision.measured_order(curve.rows), known.order_of(curve.method), delta=0.3
-            )
+            order = known.order_of(curve.method)
+            self.assertAlmostEqual(precision.measured_order(curve.rows), order, delta=0.3)
         flat = rows.head(5).assign(error_max=[1e-15, 2e-15, 1e-15, 1e-15, 2e-15])
         assert np.isnan(precision.measured_order(flat))
 
@@ -207,10 +192,8 @@ class PrecisionFiguresTest(TableCase):
     def test_ink(self) -> None:
         """The names of families can be read on white, and keep their hue."""
         for family in (*known.families(), known.OTHER):
-            ink, colour = (
-                np.array(known.ink_of(family)),
-                np.array(to_rgb(known.look_of(family).colour)),
-            )
+            ink, colour = known.ink_of(family), known.look_of(family).colour
+            ink, colour = np.array(ink), np.array(to_rgb(colour))
             linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
             contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)
             assert contrast >= 4.4, family
@@ -232,13 +215,10 @@ class PrecisionFiguresTest(TableCase):
         problems = precision.table_of_problems(table)
         assert problems.axes() == list(AXES)
         assert len(problems.rows) == 12
-        for problem, row in zip(
-            table.rows["problem"].unique(), problems.rows.itertuples(), strict=True
-        ):
-            part = table.rows[table.rows["problem"] == problem]
-            curves = [
-                c for c in precision.curves_of(part, ("time_s", "error_max")) if c.method != "exact"
-            ]
+        names, rows = table.rows["problem"].unique(), table.rows[table.rows["method"] != "exact"]
+        for problem, row in zip(names, problems.rows.itertuples(), strict=True):
+            part = rows[rows["problem"] == problem]
+            curves = precision.curves_of(part, ("time_s", "error_max"))
             times = sorted(time for c in curves if np.isfinite(time := precision.time_to(c)))
             assert row.time_s == times[0]
             self.assertAlmostEqual(row.ratio, times[1] / times[0])
@@ -272,14 +252,11 @@ class PrecisionFiguresTest(TableCase):
         """Six problems in which a method is the automatic choice."""
         lines = a_precision({f"top.{i}": 1.0 + i / 9 for i in range(6)}).split("\n")
         first = next(i for i, line in enumerate(lines) if line.startswith("problem,"))
-        marks = [
-            "auto" if i == first else "yes" if f",{chosen}," in line else "no"
-            for i, line in enumerate(lines)
-        ]
-        return "\n".join(
-            f"{line},{mark}" if i >= first and line and line[0] != "#" else line
-            for i, (line, mark) in enumerate(zip(lines, marks, strict=True))
-        )
+        lines[first] += ",auto"
+        for i, line in enumerate(lines[first + 1 :], first + 1):
+            if line and line[0] != "#":
+                lines[i] += ",yes" if f",{chosen}," in line else ",no"
+        return "\n".join(lines)
 
     def test_choice_of_choice_of_method(self) -> None:
         """Ratios are those of the least times of rows that are exact enough."""
@@ -295,12 +272,9 @@ class PrecisionFiguresTest(TableCase):
         self.assert_good_look(table, "choice")
         best = self.read(self.study("exact,closed_form"))
         title = precision.draw_choice(best).get_suptitle().replace("\n", " ")
-        assert (
-            title == "The automatic choice takes at most 1.00 times as long as the cheapest method"
-        )
+        assert title.endswith("takes at most 1.00 times as long as the cheapest method")
 
     def test_refusals_of_choice_of_method(self) -> None:
-        """A study of few problems, or without the choice, has no such figure."""
         none = self.read(self.study("nobody"))
         assert self.refusal("choice", none) == "has no row of the automatic choice"
         few = self.study("exact,closed_form").replace("top.5", "top.4").replace("top.3", "top.4")

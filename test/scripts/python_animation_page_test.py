@@ -42,11 +42,8 @@ def lines_shown(page: str) -> list[str]:
 
 
 class AnimationTest(unittest.TestCase):
-    """Pages with a moving top."""
-
     @classmethod
     def setUpClass(cls) -> None:
-        """See that the viewer can be made."""
         need_packages("three", esbuild_package())
 
     def test_page(self) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
-from conftest import called
+from conftest import called, each
 from filming import __main__ as film
 from reporting.study import read_study
 from spintop_figures.style.page import warning_of
@@ -36,7 +36,7 @@ def a_sweep(keys: dict) -> dict:
     return {"study": {"kind": "sweep"}, **groups}
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_top(keys: dict, good: bool) -> None:
     """The motion goes on at rest; a failure is an exception with its status."""
     columns = ["theta", "psi_rate"]
@@ -65,7 +65,7 @@ def test_times_between_steps() -> None:
     assert motion.theta[1] == motion.theta[2]
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_events(keys: dict, good: bool) -> None:
     """The events of a motion that comes to rest are a good result, which says when that was."""
     found = TOP.events(["stuck"], 2.0, **keys)
@@ -75,7 +75,7 @@ def test_events(keys: dict, good: bool) -> None:
         assert float(re.search(r"t = *(\S+) s", found.summary)[1]) == found.events["t"][0]
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_run(keys: dict, good: bool) -> None:
     """A run in memory succeeds if the program does."""
     groups = TOP.input(span=SPAN, integration=keys, output={"columns": MOVING})
@@ -84,7 +84,7 @@ def test_run(keys: dict, good: bool) -> None:
     assert (result.rows.row_count == 101) is good
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_sweep(keys: dict, good: bool) -> None:
     """So does a sweep over arrays, and one with statistics."""
     found = spintop.sweep(a_sweep(keys), {"initial.psi_rate": SPINS})
@@ -116,7 +116,7 @@ def test_flag() -> None:
         assert not ends.is_good_end(status)
 
 
-@pytest.mark.parametrize(("keys", "good"), ENDS)
+@each("keys, good", *ENDS)
 def test_tables(folder: Path, keys: dict, good: bool) -> None:
     """Figures and the report take rest for a good end: no row is dropped, none is crossed."""
     trajectory = TOP.input(span=SPAN, integration=keys, output={"columns": MOVING})

@@ -18,17 +18,12 @@ TIMES = np.linspace(0, 2, 21)
 
 @pytest.mark.usefixtures("folder")
 class ExportsTest(unittest.TestCase):
-    """One motion in each format."""
-
-    folder: Path
-
     def setUp(self) -> None:
         body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
         self.motion = spintop.Top(body, theta_deg=50, omega3=30).exact(TIMES, COLUMNS)
         self.q = np.stack([self.motion[f"q{i}"] for i in range(4)], 1)
 
     def export(self, name: str) -> Path:
-        """Write the motion."""
         path = spintop.export(self.motion, self.folder / name, TIMES)
         assert path == self.folder / name
         return path
@@ -113,19 +108,15 @@ class ExportsTest(unittest.TestCase):
 
     def test_sources(self) -> None:
         """A table in a file, a result and columns in other units give the same file."""
-        groups = {
-            "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.75**0.5},
-            "initial": {"theta_deg": 50, "omega3": 30},
-            "span": {"t_end": 2.0, "samples": 21},
-            "output": {"columns": ["t", *COLUMNS]},
-        }
+        body = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
+        span, output = {"t_end": 2.0, "samples": 21}, {"columns": ["t", *COLUMNS]}
+        groups = spintop.Top(body, theta_deg=50, omega3=30).input(span=span, output=output)
         result = spintop.run(groups, folder=self.folder)
         other = {"t_ms": 1e3 * result["t"], "com_x_mm": 1e3 * result["com_x"]}
         other |= {name: result[name] for name in COLUMNS if name != "com_x"}
         table = spintop.read(self.folder / "input.csv")
-        files = [
-            np.loadtxt(spintop.export(motion, self.folder / "a.tum"))
-            for motion in (result.rows, result, table, other)
-        ]
+        path = self.folder / "a.tum"
+        motions = (result.rows, result, table, other)
+        files = [np.loadtxt(spintop.export(motion, path)) for motion in motions]
         for file in files[1:]:
             np.testing.assert_allclose(file, files[0], rtol=1e-15, atol=1e-16)

@@ -12,7 +12,7 @@ import pytest
 
 import python_library  # noqa: F401
 import spintop
-from conftest import MISSING, ROOT
+from conftest import MISSING, ROOT, each
 from figure_checks import texts
 from spintop import animation
 from spintop.library import library
@@ -30,6 +30,7 @@ STUDIES = {
     "nutation_indices": {"cases = 28672": "cases = 700"},
 }
 """Inputs of all kinds but those with times, and what makes them quick."""
+TOP = {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.8}
 WORK = """\
 &study kind = 'work_precision' /
 &top mass = 1 inertia = 0.875, 0.875, 0.25 length = 0.866 /
@@ -41,7 +42,6 @@ WORK = """\
 
 @pytest.fixture
 def calls() -> Iterator[list[str]]:
-    """The calls of the library that compute something."""
     made: list[str] = []
     loaded = library()
 
@@ -59,7 +59,6 @@ def calls() -> Iterator[list[str]]:
 
 
 def changed(name: str, folder: Path) -> Path:
-    """An input that is quicker."""
     text = (INPUTS / f"{name}.nml").read_text(encoding="utf-8")
     for old, new in STUDIES[name].items():
         assert old in text
@@ -81,7 +80,7 @@ def run_as_files(path: Path, folder: Path) -> spintop.Result:
         raise
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@each("name", *STUDIES)
 def test_as_files(name: str, folder: Path) -> None:
     """The figures of a result are those of the files of the same run."""
     path = changed(name, folder)
@@ -100,7 +99,7 @@ def test_as_files(name: str, folder: Path) -> None:
         assert texts(again) == texts(figure), key
 
 
-@pytest.mark.parametrize("name", STUDIES)
+@each("name", *STUDIES)
 def test_tables(name: str, folder: Path) -> None:
     """A result has all tables that the run writes, each with the lines that are no rows."""
     path = changed(name, folder)
@@ -124,12 +123,8 @@ def test_tables(name: str, folder: Path) -> None:
 
 def test_one_run(calls: list[str], folder: Path) -> None:
     """Figures and the page of a motion need no other call."""
-    groups = {
-        "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.8},
-        "initial": {"theta": 0.4, "omega3": 20},
-        "span": {"t_end": 2, "samples": 41},
-    }
-    result = spintop.run(groups)
+    start, span = {"theta": 0.4, "omega3": 20}, {"t_end": 2, "samples": 41}
+    result = spintop.run({"top": TOP, "initial": start, "span": span})
     assert "angles" in result.plot() and list(result.plot("trace")) == ["trace"]
     page = "@TITLE@ @FACTS@ @ANCHOR@ @NAME@ @ROWS@ @DATA@"
     with mock.patch.object(animation, "viewer", return_value=page):
@@ -138,7 +133,6 @@ def test_one_run(calls: list[str], folder: Path) -> None:
 
 
 def test_times(calls: list[str]) -> None:
-    """The times of a work-precision figure are those of the result."""
     result = spintop.run(WORK)
     axes = result.plot("precision_time")["precision_time"].axes[0]
     drawn = {time for line in axes.lines if line.get_label()[0] != "_" for time in line.get_xdata()}
@@ -147,12 +141,8 @@ def test_times(calls: list[str]) -> None:
 
 def test_sweep_over_arrays(calls: list[str]) -> None:
     """Its figures, too, over the parameters of the call."""
-    given = {
-        "top": {"mass": 1, "inertia": (0.875, 0.875, 0.25), "length": 0.8},
-        "initial": {"theta": 0.4},
-        "span": {"t_end": 2},
-        "output": {"columns": ["nutation_period", "force_max"]},
-    }
+    given = {"top": TOP, "initial": {"theta": 0.4}, "span": {"t_end": 2}}
+    given["output"] = {"columns": ["nutation_period", "force_max"]}
     theta, spin = np.linspace(0.2, 1, 6)[:, None], np.linspace(10, 30, 5)
     result = spintop.sweep(given, {"initial.theta": theta, "initial.omega3": spin})
     assert "maps" in result.plot() and calls == ["spintop_sweep"]
@@ -161,7 +151,6 @@ def test_sweep_over_arrays(calls: list[str]) -> None:
 
 
 def test_what_has_no_figure() -> None:
-    """It is refused with a reason."""
     top = spintop.Top(spintop.Body(mass=1, inertia=(0.9, 0.9, 0.3), length=0.5), theta=0.4)
     with pytest.raises(TypeError, match="events of a top have no figures"):
         top.events("theta = 0.5", 1.0).plot()

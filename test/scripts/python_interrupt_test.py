@@ -18,12 +18,8 @@ import spintop
 
 TOP = {"mass": 1, "inertia": (0.9, 1.0, 0.3), "length": 0.5}
 START = {"theta": 1.0, "psi_rate": 9.0}
-LONG = {
-    "top": TOP,
-    "initial": START,
-    "span": {"t_end": 1e9, "samples": 11},
-    "integration": {"max_steps": 2147483646},
-}
+LONG = {"top": TOP, "initial": START, "span": {"t_end": 1e9, "samples": 11}}
+LONG["integration"] = {"max_steps": 2147483646}
 SHORT = {"top": TOP, "initial": START, "span": {"t_end": 1.0, "samples": 11}}
 LANES = {"top": TOP, "span": {"t_end": 1e4}, "output": {"columns": ("theta_end", "psi_end")}}
 ANGLES = {"initial.theta": np.linspace(0.5, 2.5, 100_000)}
@@ -31,7 +27,6 @@ FRICTION = {**LANES, "effects": {"friction_torque": 1e-9}}
 
 
 def long_fit() -> spintop.Result:
-    """A fit whose motions take minutes."""
     t = np.linspace(0, 2e4, 100_001)
     data = {"t": t, "theta": 1 + 0.1 * np.cos(t), "phi": t}
     given = {"top": {**TOP, "damping": (0, 0, 1e-9)}, "initial": START}
@@ -55,7 +50,6 @@ class InterruptTest(unittest.TestCase):
         self.addCleanup(signal.signal, signal.SIGINT, inherited)
 
     def check_usable(self) -> None:
-        """A short call has its rows."""
         assert len(spintop.run(SHORT).rows["theta"]) == 11
 
     def interrupt(self, function: Callable[[], Any], *, computing: bool = False) -> None:

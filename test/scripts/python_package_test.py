@@ -4,22 +4,20 @@ import itertools
 import math
 import os
 import resource
-import subprocess
 import sys
 import tempfile
 import threading
 import unittest
 import warnings
 from pathlib import Path
-from typing import ClassVar
 from unittest import mock
 
 import numpy as np
 import pytest
 
-import python_library  # noqa: F401  # noqa: F401
+import python_library  # noqa: F401
 import spintop
-from conftest import EXE, ROOT, Spin, texts
+from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
 from spintop.library import NEEDED, chosen_folder, features, levels_of
@@ -41,7 +39,6 @@ def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
 
 class PythonPackageTest(unittest.TestCase):
     def compare(self, motion: spintop.Motion, table: dict[str, list[str]]) -> None:
-        """All columns have the bits of a table."""
         assert list(motion) == list(table)
         for name, column in table.items():
             assert motion[name].tolist() == [float(cell) for cell in column], name
@@ -51,11 +48,9 @@ class PythonPackageTest(unittest.TestCase):
         columns = ["t", "phi", "theta", "psi", "phi_rate", "energy", "force_z", "q0"]
         columns += ["t_ms", "theta_deg", "omega3_rpm"]
         span, output = {"t_end": 30.0, "samples": 301}, {"columns": columns}
-        others = (
-            spintop.Body(mass=1, inertia=(0.25, 0.875, 0.875), centre_of_mass=(0.5, 0, 0)),
-            spintop.Body(mass=2, inertia=(0.3, 0.5, 0.7), centre_of_mass=(0, 0, 0)),
-        )
-        for top in (*(spintop.Top(body, **TOP.start) for body in others), TOP):
+        lying = spintop.Body(mass=1, inertia=(0.25, 0.875, 0.875), centre_of_mass=(0.5, 0, 0))
+        free = spintop.Body(mass=2, inertia=(0.3, 0.5, 0.7), centre_of_mass=(0, 0, 0))
+        for top in (spintop.Top(lying, **TOP.start), spintop.Top(free, **TOP.start), TOP):
             table = by_program(top.input(span=span, output=output))
             t = np.array([float(cell) for cell in table["t"]])
             self.compare(top.exact(t, columns), table)
@@ -90,13 +85,11 @@ class PythonPackageTest(unittest.TestCase):
                 self.compare(top.integrate(t, columns + more, **settings), table)
 
     def test_integrate_by_default(self) -> None:
-        """The numbers are those of the exact solution."""
         t = np.linspace(0, 10, 50)
         difference = TOP.integrate(t).theta - TOP.exact(t).theta
         assert np.abs(difference).max() < 1e-7
 
     def test_quantities(self) -> None:
-        """Those of a sweep; and they are those of the motion."""
         found = TOP.quantities()
         theta = TOP.exact(np.linspace(0, found["nutation_period"], 20001)).theta
         self.assertAlmostEqual(theta.max(), found["theta_max"], delta=1e-7)
@@ -178,12 +171,9 @@ class PythonPackageTest(unittest.TestCase):
         """All give the tables of the program."""
         path = ROOT / "input/slow_top_events.nml"
         with tempfile.TemporaryDirectory() as folder:
-            command = [EXE, "--quiet", "-o", folder, path]
-            subprocess.run(command, check=True, capture_output=True)
-            tables = {
-                name: spintop.read(Path(folder) / f"slow_top_events{name}.csv").rows
-                for name in ("", ".events")
-            }
+            execute(EXE, "--quiet", "-o", folder, path)
+            paths = {name: Path(folder) / f"slow_top_events{name}.csv" for name in ("", ".events")}
+            tables = {name: spintop.read(path).rows for name, path in paths.items()}
         for given in (path, str(path), path.read_text(encoding="utf-8")):
             found = spintop.run(given)
             assert found.ok
@@ -201,14 +191,9 @@ class PythonPackageTest(unittest.TestCase):
 
     def test_studies(self) -> None:
         """A work-precision study, statistics, and a folder."""
-        groups = {
-            "study": {"kind": "sweep"},
-            "top": BODY.keys,
-            "initial": {"theta": 0.3},
-            "span": {"t_end": 1.0},
-            "sweep": {"parameter": ["initial.psi_rate"], "values": [[1.0, 5.0, 9.0]]},
-            "output": {"columns": ["theta_max"]},
-        }
+        groups = {"study": {"kind": "sweep"}, "top": BODY.keys, "initial": {"theta": 0.3}}
+        groups |= {"span": {"t_end": 1.0}, "output": {"columns": ["theta_max"]}}
+        groups["sweep"] = {"parameter": ["initial.psi_rate"], "values": [[1.0, 5.0, 9.0]]}
         table = by_program(groups)
         found = spintop.run(groups)
         assert found["theta_max"].tolist() == [float(cell) for cell in table["theta_max"]]
@@ -228,10 +213,7 @@ class PythonPackageTest(unittest.TestCase):
         assert described.statistics["theta_max_mean"].tolist() == mean
         with tempfile.TemporaryDirectory() as folder:
             kept = spintop.run(groups, folder=folder)
-            assert [path.name for path in sorted(Path(folder).iterdir())] == [
-                "input.csv",
-                "input.log",
-            ]
+            assert {path.name for path in Path(folder).iterdir()} == {"input.csv", "input.log"}
             assert kept["theta_max"].tolist() == found["theta_max"].tolist()
             assert folder in kept.summary
 
@@ -244,7 +226,6 @@ class PythonPackageTest(unittest.TestCase):
         assert found["t"].size > 0
 
     def test_registry(self) -> None:
-        """That of the program; a topic that there is not is an error."""
         assert "rk4" in [method["name"] for method in spintop.registry("methods")["methods"]]
         assert spintop.registry()["version"] == spintop.version()
         assert spintop.__version__ == spintop.version()
@@ -265,7 +246,6 @@ class PythonPackageTest(unittest.TestCase):
         assert found > 5
 
     def run_block(self, block: Block, names: dict[str, object]) -> None:
-        """Run a program, with what those before it defined."""
         lines: list[tuple] = []
         names["print"] = lambda *words: lines.append(words)
         with warnings.catch_warnings():
@@ -280,30 +260,16 @@ class PythonPackageTest(unittest.TestCase):
         except ImportError:
             self.skipTest("no setuptools from version 70.1 on")
         with tempfile.TemporaryDirectory(prefix="spintop pip ") as folder:
-            command = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
-            command += [
-                "--no-deps",
-                "--no-index",
-                "--disable-pip-version-check",
-                "--target",
-                folder,
-            ]
-            done = subprocess.run(
-                [*command, ROOT / "python"], capture_output=True, text=True, check=False
-            )
-            assert done.returncode == 0, done.stdout + done.stderr
+            words = [sys.executable, "-m", "pip", "install", "--quiet", "--no-build-isolation"]
+            words += ["--no-deps", "--no-index", "--disable-pip-version-check", "--target", folder]
+            execute(*words, ROOT / "python")
             assert (Path(folder) / "spintop/libspintop.so.1").is_file()
             program = "import spintop, spintop_figures; print(spintop.version(), spintop.__file__)"
-            answer = subprocess.run(
-                [sys.executable, "-c", program],
-                **{"capture_output": True, "text": True, "check": True, "cwd": folder},
-                env={**os.environ, "PYTHONPATH": folder},
-            ).stdout.split(maxsplit=1)
-            assert answer[0] == spintop.version()
-            assert answer[1].startswith(folder)
+            words = (sys.executable, "-c", program)
+            done = execute(*words, cwd=folder, environment={"PYTHONPATH": folder})
+            assert done.stdout.startswith(f"{spintop.version()} {folder}")
 
     def test_levels_of(self) -> None:
-        """A level has all features of the levels before it."""
         words = [set(needed.split()) for needed in NEEDED.values()]
         assert levels_of(set()) == []
         assert levels_of(words[0] | words[1]) == ["v2", "v3"]
@@ -341,17 +307,12 @@ class PythonPackageTest(unittest.TestCase):
                 chosen_folder(package)
 
 
+SWEPT = {"study": {"kind": "sweep"}, "top": BODY.keys, "initial": {"theta": 0.3}}
+SWEPT |= {"span": {"t_end": 2.0}}
+SWEPT["output"] = {"columns": ["theta_max", "nutation_period", "phi_end", "motion_class"]}
+
+
 class SweepTest(unittest.TestCase):
-    """Many tops."""
-
-    groups: ClassVar = {
-        "study": {"kind": "sweep"},
-        "top": BODY.keys,
-        "initial": {"theta": 0.3},
-        "span": {"t_end": 2.0},
-        "output": {"columns": ["theta_max", "nutation_period", "phi_end", "motion_class"]},
-    }
-
     def test_bits(self) -> None:
         """A sweep over arrays is that of the program over the same values, also of any bodies."""
         rate = np.linspace(0.0, 20.0, 700)
@@ -359,34 +320,28 @@ class SweepTest(unittest.TestCase):
         values = {"from": [0.0], "to": [20.0], "count": [700]}
         axis = {"parameter": ["initial.psi_rate"], **values}
         for body in (BODY, SKEW):
-            groups = {**self.groups, "top": body.keys}
+            groups = {**SWEPT, "top": body.keys}
             groups["output"] = {"columns": ["theta_end", "phi_end"]}
             table = by_program({**groups, "sweep": axis})
             given = [float(cell) for cell in table["initial.psi_rate"]]
             found = spintop.sweep(groups, {"initial.psi_rate": given}).rows
             for name in ("theta_end", "phi_end"):
                 assert found[name].tolist() == [float(cell) for cell in table[name]]
-        found = spintop.sweep(self.groups, {"initial.psi_rate": rate, "initial.theta": theta}).rows
+        found = spintop.sweep(SWEPT, {"initial.psi_rate": rate, "initial.theta": theta}).rows
         assert found["initial.theta"].tolist() == theta.tolist()
         assert set(found["status"]) == {"ok"}
-        one = spintop.sweep(
-            self.groups, {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
-        ).rows
+        fifth = {"initial.psi_rate": rate[5], "initial.theta": theta[5]}
+        one = spintop.sweep(SWEPT, fifth).rows
         assert one["phi_end"][0] == found["phi_end"][5]
         assert found.row_count == 700
 
     def test_tops(self) -> None:
         """The same bits by `tops`, for arrays of any strides."""
         rate = np.linspace(0.0, 20.0, 1500)
-        table = spintop.sweep(self.groups, {"initial.omega3": rate}).rows
+        table = spintop.sweep(SWEPT, {"initial.omega3": rate}).rows
         names = ["theta_max", "nutation_period", "phi_end"]
-        data = {
-            "inertia1": 0.875,
-            "inertia3": 0.25,
-            "mgl": 9.81 * 0.75**0.5,
-            "theta": 0.3,
-            "t_end": 2.0,
-        }
+        data = {"inertia1": 0.875, "inertia3": 0.25, "mgl": 9.81 * 0.75**0.5}
+        data |= {"theta": 0.3, "t_end": 2.0}
         found = spintop.tops(names, omega3=rate, **data)
         wide = np.zeros((1500, 3))
         wide[:, 1] = rate
@@ -423,13 +378,12 @@ class SweepTest(unittest.TestCase):
             ({"top.centre_of_mass(1)": [0.1]}, r"centre_of_mass\(2\) is missing"),
         ):
             with self.subTest(parameters), self.assertRaisesRegex(spintop.InputError, message):
-                spintop.sweep(self.groups, parameters)
-        both = {**self.groups, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
+                spintop.sweep(SWEPT, parameters)
+        both = {**SWEPT, "sweep": {"parameter": ["span.t_end"], "values": [[1.0, 2.0]]}}
         with self.assertRaisesRegex(spintop.InputError, "the cases are given twice"):
             spintop.sweep(both, {"initial.theta": [1.0]})
-        result = spintop.sweep(
-            self.groups, {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
-        )
+        axes = {"initial.theta": [0.5, 0.6], "top.inertia(3)": [0.25, 9.0]}
+        result = spintop.sweep(SWEPT, axes)
         assert not result.ok
         assert result.rows["status"][0] == "ok"
         assert result.rows["status"][1] != "ok"
@@ -437,14 +391,11 @@ class SweepTest(unittest.TestCase):
 
 
 def peak() -> int:
-    """Largest memory of this process so far, kB."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
 
 
 @pytest.mark.slow
 class ResourcesTest(unittest.TestCase):
-    """Memory and threads."""
-
     def test_no_leak(self) -> None:
         """Memory does not grow with the number of calls of any kind."""
 
@@ -453,7 +404,7 @@ class ResourcesTest(unittest.TestCase):
                 TOP.exact(0.1)
                 if i % 100 == 0:
                     spintop.Top(BODY, theta=0.2, psi_rate=3.0)
-                    spintop.sweep(SweepTest.groups, {"initial.psi_rate": np.arange(9.0)}, threads=1)
+                    spintop.sweep(SWEPT, {"initial.psi_rate": np.arange(9.0)}, threads=1)
                     TOP.integrate([0.0, 1.0], ["theta"], method="dop853")
                     spintop.tops(["theta_max"], inertia1=1, inertia3=1, mgl=1, theta=np.ones(999))
                     with self.assertRaises(spintop.InputError):
@@ -477,7 +428,7 @@ class ResourcesTest(unittest.TestCase):
             found += TOP.integrate(t, method="rk4", steps=499).theta.tolist()
             found += top.integrate(t, method="ode45", relative_tolerance=1e-9).theta.tolist()
             rates = {"initial.psi_rate": t + number}
-            found += spintop.sweep(SweepTest.groups, rates, threads=2).rows["phi_end"].tolist()
+            found += spintop.sweep(SWEPT, rates, threads=2).rows["phi_end"].tolist()
             data = {"inertia1": 1, "inertia3": 1, "mgl": 1, "theta": 1 + 0.1 * t, "omega3": number}
             found += spintop.tops(["theta_max"], **data)["theta_max"].tolist()
             try:
@@ -502,11 +453,6 @@ class ResourcesTest(unittest.TestCase):
             assert together[number] == alone[number], number
 
 
-# The level of the processor, by which the Python package chooses its library.
-
-
-# Times of a top of which the first is above 0: the motion starts at 0, whatever is asked.
-
 START = {"theta": 0.6, "phi": 0.3, "theta_rate": 0.3, "psi_rate": 6.0}
 BODIES = {
     "symmetric": {"inertia": (0.875, 0.875, 0.25), "length": 0.6},
@@ -515,23 +461,18 @@ BODIES = {
     "asymmetric": {"inertia": (0.9, 0.7, 0.4), "centre_of_mass": (0.1, -0.05, 0.5)},
     "free": {"inertia": (0.6, 0.5, 0.4), "centre_of_mass": (0, 0, 0)},
 }
-EFFECTS = (
-    {},
-    {"drag_force": 0.2},
-    {"earth_rate": 0.3, "latitude_deg": 60},
-    {"rotor_momentum": (0, 0, 0.3)},
-)
+EFFECTS = ({}, {"drag_force": 0.2}, {"earth_rate": 0.3, "latitude_deg": 60})
+EFFECTS += ({"rotor_momentum": (0, 0, 0.3)},)
 KINDS = [(body, effects) for body in BODIES for effects in EFFECTS]
 ANGLES = ("phi", "theta", "psi")
 COLUMNS = (*ANGLES, "omega1", "omega3", "force_z", "energy", "theta__initial.psi_rate")
 
 
 def make(body: str, effects: dict) -> spintop.Top:
-    """A top."""
     return spintop.Top(spintop.Body(mass=1.3, **BODIES[body]), effects=effects, **START)
 
 
-@pytest.mark.parametrize(("body", "effects"), KINDS)
+@each("body, effects", *KINDS)
 def test_tops(body: str, effects: dict) -> None:
     """Angles, forces, energies and derivatives at times are those among more times."""
     top = make(body, effects)
@@ -548,6 +489,5 @@ def test_tops(body: str, effects: dict) -> None:
                 if name.endswith("_error"):
                     continue
                 scale = np.abs(all_times[name]).max()
-                np.testing.assert_allclose(
-                    some[name], all_times[name][first:], rtol=0, atol=1e-9 * scale
-                )
+                known = all_times[name][first:]
+                np.testing.assert_allclose(some[name], known, rtol=0, atol=1e-9 * scale)

@@ -3,11 +3,10 @@
 import csv
 import json
 import math
-import subprocess
 from pathlib import Path
 
 from browser_case import DESKTOP, HOSTILE, SOFTWARE_WEBGL, BrowserCase, wait_for
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, execute
 from reporting.packages import bundle
 from reporting.page import make_page, write_page
 from reporting.study import read_study
@@ -23,7 +22,6 @@ THIN = """
 def rows_of(
     table: Path, names: tuple[str, ...] = ("t", "phi", "theta", "psi")
 ) -> list[list[float]]:
-    """Columns of a table."""
     lines = [line for line in table.read_text(encoding="utf-8").splitlines() if line[0] != "#"]
     return [[float(row[name]) for name in names] for row in csv.DictReader(lines)]
 
@@ -227,12 +225,9 @@ class ReportPageTest(BrowserCase):
 
 
 class TopTest(BrowserCase):
-    """The moving top, and what works it."""
-
     flags = SOFTWARE_WEBGL
 
     def scrub(self, section: object, row: int) -> None:
-        """Put the slider at a row, as a finger would."""
         self.run_script(
             "arguments[0].value = arguments[1];"
             "arguments[0].dispatchEvent(new Event('input', { bubbles: true }))",
@@ -241,7 +236,6 @@ class TopTest(BrowserCase):
         )
 
     def set_speed(self, section: object, which: int) -> None:
-        """Choose a speed from the list, as from a menu."""
         self.run_script(
             "arguments[0].selectedIndex = arguments[1];"
             "arguments[0].dispatchEvent(new Event('change'))",
@@ -250,7 +244,6 @@ class TopTest(BrowserCase):
         )
 
     def press(self, section: object, *keys: str) -> None:
-        """Press keys where the drawing is."""
         self.part(section, "stage").send_keys("".join(keys))
 
     def test_plays_and_pauses(self) -> None:
@@ -306,7 +299,6 @@ class TopTest(BrowserCase):
         self.assertAlmostEqual(math.cos(self.numbers(section)[2]), cosine, places=13)
 
     def test_keys(self) -> None:
-        """Everything can be done without a mouse."""
         from selenium.webdriver.common.keys import Keys
 
         section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
@@ -418,7 +410,6 @@ class TopTest(BrowserCase):
         self.assertEqual(stage.get_attribute("data-held"), "no")
 
     def touch(self, places: list[list[tuple[float, float]]]) -> None:
-        """Move fingers from place to place."""
         for kind, fingers in [("touchStart", places[0]), *(("touchMove", p) for p in places[1:])]:
             points = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(fingers)]
             self.tell("Input.dispatchTouchEvent", type=kind, touchPoints=points)
@@ -436,12 +427,10 @@ class TopTest(BrowserCase):
 
     def test_numbers_of_the_moment(self) -> None:
         """Rates, angular velocity and energies are those of the row."""
-        section = self.top()
+        section, names = self.top(), ("theta_rate", "psi_rate", "kinetic", "energy")
         self.scrub(section, 700)
-        [row] = rows_of(
-            self.folder / "slow_top.csv", ("theta_rate", "psi_rate", "kinetic", "energy")
-        )[700:701]
-        for name, value in zip(("theta_rate", "psi_rate", "kinetic", "energy"), row, strict=True):
+        row = rows_of(self.folder / "slow_top.csv", names)[700]
+        for name, value in zip(names, row, strict=True):
             self.assertAlmostEqual(self.number(section, name), value, places=3)
         omega = [self.number(section, f"omega{k}") for k in (1, 2, 3)]
         self.assertAlmostEqual(omega[2], 1.0, places=4)
@@ -449,7 +438,6 @@ class TopTest(BrowserCase):
         self.assertAlmostEqual(momentum, row[2], delta=1e-3 * row[2])
 
     def number(self, section: object, name: str) -> float:
-        """A number that is shown."""
         return float(self.part(section, name).text.replace("\N{MINUS SIGN}", "-"))
 
     def test_two_motions(self) -> None:
@@ -467,9 +455,8 @@ class TopTest(BrowserCase):
         told = f"{math.degrees(max(errors)):.2f}\N{DEGREE SIGN}"
         self.assertIn(f"Largest at rows: {told}", self.part(section, "farthest").text)
         with self.changing(section):
-            self.run_script(
-                "arguments[0].value = ''; arguments[0].dispatchEvent(new Event('change'))", peer
-            )
+            script = "arguments[0].value = ''; arguments[0].dispatchEvent(new Event('change'))"
+            self.run_script(script, peer)
             wait_for(lambda: not angles.is_displayed(), "one motion alone")
         exact = self.top("slow_top.csv")
         self.assertFalse(self.part(exact, "angles").is_displayed())
@@ -477,11 +464,9 @@ class TopTest(BrowserCase):
 
     def with_errors(self) -> Path:
         """The same motion with the column of its error, which the program measures."""
-        folder = self.folder.parent / "errors"
-        name = "slow_top_scenario2_rk4"
-        command = [EXE, "--quiet", "-o", folder, "--set", "output.columns=t,orientation_error"]
-        source = ROOT / "input" / f"{name}.nml"
-        subprocess.run([*command, source], check=True, capture_output=True)
+        folder, name = self.folder.parent / "errors", "slow_top_scenario2_rk4"
+        setting = "--set=output.columns=t,orientation_error"
+        execute(EXE, "--quiet", "-o", folder, setting, ROOT / f"input/{name}.nml")
         return folder / f"{name}.csv"
 
     def test_saved_table(self) -> None:

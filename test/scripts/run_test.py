@@ -1,26 +1,18 @@
 """scripts/run draws the tables of its own run, which the program names (`--written`)."""
 
 import os
-import subprocess
 import time
 from pathlib import Path
 
-from conftest import EXE, ROOT
+from conftest import EXE, ROOT, execute
 
 INPUTS = ROOT / "input"
 FEW = ("--quiet", "--set", "span.samples=50")
 
 
-def call(*arguments: str | Path, code: int = 0) -> None:
-    """Run a command."""
-    done = subprocess.run(arguments, capture_output=True, text=True, check=False)
-    assert done.returncode == code, done.stderr
-
-
 def written(folder: Path, *arguments: str | Path, code: int = 0) -> list[str]:
-    """The tables that the program names, without their folder."""
     names = folder / "names"
-    call(EXE, "--written", names, "-o", folder, *arguments, code=code)
+    execute(EXE, "--written", names, "-o", folder, *arguments, code=code)
     paths = names.read_bytes().split(b"\0") if names.exists() else [b""]
     assert paths.pop() == b""
     names.unlink(missing_ok=True)
@@ -38,18 +30,18 @@ def test_names(folder: Path) -> None:
     assert written(folder, "--check", both[0]) == []
     part = written(folder, "--shard", "1/2", "--set", "sweep.cases=8", INPUTS / "random_tops.nml")
     assert part == ["random_tops.1-of-2.csv"]
-    call(EXE, "--written", folder / "no" / "names", "-o", folder, *FEW, both[0], code=4)
+    execute(EXE, "--written", folder / "no" / "names", "-o", folder, *FEW, both[0], code=4)
 
 
 def test_tables_of_others(folder: Path) -> None:
     """A table that another run is writing, or has just written, is none of this one."""
     whole = folder / "whole.csv"
-    call(EXE, *FEW, "-o", folder, "--set", "output.file=whole", INPUTS / "slow_top.nml")
+    execute(EXE, *FEW, "-o", folder, "--set", "output.file=whole", INPUTS / "slow_top.nml")
     (folder / "cut.csv").write_bytes(whole.read_bytes()[:3000])
     later = time.time() + 3600
     for path in folder.glob("*.csv"):
         os.utime(path, (later, later))
-    call(ROOT / "scripts/run", *FEW, "-o", folder, INPUTS / "tip_loop.nml")
+    execute(ROOT / "scripts/run", *FEW, "-o", folder, INPUTS / "tip_loop.nml")
     drawn = {path.stem for path in folder.glob("*.png")}
     assert "tip_loop_angles" in drawn
     assert not any(name.startswith(("cut", "whole")) for name in drawn)
@@ -59,9 +51,7 @@ def test_option(folder: Path) -> None:
     """--no-plots stands anywhere; behind -- there are inputs."""
     (folder / "--no-plots").write_bytes((INPUTS / "tip_loop.nml").read_bytes())
     run = ROOT / "scripts/run"
-    call(run, *FEW, "-o", folder, INPUTS / "tip_loop.nml", "--no-plots")
+    execute(run, *FEW, "-o", folder, INPUTS / "tip_loop.nml", "--no-plots")
     assert not [*folder.glob("*.png")]
-    here = subprocess.run(
-        [run, *FEW, "-o", folder, "--", "--no-plots"], cwd=folder, capture_output=True, check=False
-    )
-    assert here.returncode == 0 and [*folder.glob("*.png")]
+    execute(run, *FEW, "-o", folder, "--", "--no-plots", cwd=folder)
+    assert [*folder.glob("*.png")]

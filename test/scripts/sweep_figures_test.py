@@ -18,7 +18,7 @@ from spintop_figures.sweeps import scatter as cloud_module
 from spintop_figures.sweeps.maps import mark_negative, object_to_grid
 from spintop_figures.sweeps.quantities import has_log_axis, succeeded
 from spintop_figures.sweeps.scatter import draw_scatter, telling
-from spintop_figures.tables.names import name_of, unit_shown
+from spintop_figures.tables.names import unit_shown
 from spintop_figures.tables.table import Table, read_table
 
 
@@ -30,13 +30,11 @@ def panels_of(table: Table) -> np.ndarray:
 
 
 def points_of(axes: Axes) -> np.ndarray:
-    """The points of a panel, sorted."""
     points = np.concatenate([np.asarray(cloud.get_offsets()) for cloud in axes.collections])
     return points[np.lexsort(points.T)]
 
 
 def sorted_points(x: pd.Series, y: pd.Series) -> np.ndarray:
-    """Points in the same order."""
     points = np.column_stack([x, y])
     return points[np.lexsort(points.T)]
 
@@ -50,7 +48,6 @@ class SweepFiguresTest(TableCase):
         assert self.figures_of(a_map()) == "maps"
 
     def test_refusals(self) -> None:
-        """Each with its reason."""
         same = a_cloud(2, cases=1) + "2,1.0,1.0,ok,loop,0.1,0.2,0,1e-9,9,\n"
         dull = a_cloud(2, cases=1) + "2,2.0,2.0,ok,wave,0.1,0.2,-2,1e-14,50,\n"
         for text, reason in (
@@ -62,8 +59,7 @@ class SweepFiguresTest(TableCase):
         ):
             assert self.refusal("scatter", self.read(text)) == reason
         path = self.put("b.csv", a_map())
-        code, said = self.call("--figure", "scatter", path)
-        assert code == 2
+        said = self.call("--figure", "scatter", path, code=2)
         assert "which has maps: no scatter figure" in said
 
     def test_no_grid_is_cheap_to_tell(self) -> None:
@@ -103,10 +99,8 @@ class SweepFiguresTest(TableCase):
             seen.setdefault(tuple(cloud.get_facecolor()[0]), []).append((place, cloud))
         assert len(seen) == 2
         for alike in seen.values():
-            ((name, count),) = {
-                (names[int(place)], sum(len(cloud.get_offsets()) for _, cloud in alike))
-                for place, _ in alike
-            }
+            (name,) = {names[int(place)] for place, _ in alike}
+            count = sum(len(cloud.get_offsets()) for _, cloud in alike)
             assert count == (rows["motion_class"] == name).sum()
 
     def test_failed(self) -> None:
@@ -198,13 +192,8 @@ class SweepFiguresTest(TableCase):
 
     @pytest.mark.slow
     def test_script(self) -> None:
-        """Draws what belongs to the tables, without a warning of the layout."""
-        clouds = (
-            a_cloud(2),
-            a_cloud(3),
-            a_cloud(5, failing=10**9),
-            a_cloud().replace("wave", "loop"),
-        )
+        clouds = (a_cloud(2), a_cloud(3), a_cloud(5, failing=10**9))
+        clouds += (a_cloud().replace("wave", "loop"),)
         self.check_drawn({f"cloud_{i}": (text, {"scatter"}) for i, text in enumerate(clouds)})
 
     def statistics(self) -> Table:
@@ -217,19 +206,13 @@ class SweepFiguresTest(TableCase):
         names = "\n".join(f"#     {name} {meaning or ': x'}" for name, meaning in COLUMNS)
         body = [[name for name, _ in COLUMNS], *rows]
         text = "\n".join(",".join(map(str, row)) for row in body)
-        histogram = [
-            ["column", "from", "to", "cases"],
-            ["theta_max", QUARTER, math.pi / 2 - 1e-3, 20],
-            ["theta_max", math.pi / 2, math.pi, 20],
-        ]
-        cells = "\n".join(",".join(map(str, row)) for row in histogram)
-        self.put("tops.histogram.csv", f"{HEAD}#     column: x\n{cells}\n")
-        return read_table(
-            self.put("tops.statistics.csv", f"{HEAD}{names.replace(' :', ':')}\n{text}\n")
-        )
+        cells = f"column,from,to,cases\ntheta_max,{QUARTER},{math.pi / 2 - 1e-3},20\n"
+        cells += f"theta_max,{math.pi / 2},{math.pi},20\n"
+        self.put("tops.histogram.csv", f"{HEAD}#     column: x\n{cells}")
+        text = f"{HEAD}{names.replace(' :', ':')}\n{text}\n"
+        return read_table(self.put("tops.statistics.csv", text))
 
     def figure(self, name: str) -> Figure:
-        """A figure of these statistics."""
         return draw(self.statistics(), name)
 
     def test_distribution(self) -> None:
@@ -297,14 +280,6 @@ class SweepFiguresTest(TableCase):
         assert unit_shown("orientation_error", "rad") == ("rad", 1)
         assert unit_shown("precession_rate", "rad/s") == ("rad/s", 1)
 
-    def test_words(self) -> None:
-        """A parameter is named in words, without a formula; an element of an array by its sign."""
-        assert name_of("initial.theta_deg") == "initial inclination"
-        assert name_of("initial.omega3") == "initial spin"
-        assert name_of("top.inertia(2)") == "moment of inertia I\u2082"
-
-
-# Tests of the figures of statistics: words instead of names, angles in degrees.
 
 HEAD = """\
 # title: Many tops

@@ -39,15 +39,10 @@ INPUT = """&study kind = 'trajectory' /
 """
 CANARY = "precious.csv"
 
-HARMLESS = set(
-    re.findall(
-        r"\S+",
-        "awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock "
-        "grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink "
-        "realpath rm rmdir sed seq sh sha256sum sort stat tail tee touch tr true tsort uname "
-        "wc xargs ",
-    )
-)
+HARMLESS = """awk basename bash cat chmod cmp comm cp cut date dirname echo env false find flock
+grep gzip head id install ln ls mkdir mktemp mv nproc printf python3 readlink realpath rm rmdir sed
+seq sh sha256sum sort stat tail tee touch tr true tsort uname wc xargs"""
+HARMLESS = set(re.findall(r"\S+", HARMLESS))
 """Programs that are carried out; all others succeed without doing anything."""
 FAILS = {"mountpoint"}
 """Programs that fail: so that a script goes on."""
@@ -81,33 +76,24 @@ OTHERS = re.compile("BASH_SOURCE|PATH|CMAKE_.*|PACKAGE_.*|SPINTOP_FLAGS")
 """Variables that are none of the environment, and one that holds options by its purpose."""
 
 
-def is_script(path: Path) -> bool:
-    """Whether a file is one that users call."""
-    return path.is_file() and os.access(path, os.X_OK)
-
-
 SCRIPTS = [
     path.relative_to(ROOT)
     for path in sorted([*(ROOT / "scripts").rglob("*"), ROOT / ".ci/run"])
-    if is_script(path) and "node_modules" not in path.parts
+    if path.is_file() and os.access(path, os.X_OK) and "node_modules" not in path.parts
 ]
 
 
 def quote(text: object) -> str:
-    """A word for a shell."""
     return "'" + str(text).replace("'", "'\\''") + "'"
 
 
 def write_shim(path: Path, action: str) -> None:
-    """A program that writes down its arguments first."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(SHIM.format(action=action), encoding="utf-8")
     path.chmod(0o755)
 
 
 class Call(NamedTuple):
-    """A call of a program."""
-
     program: str
     words: tuple[str, ...]
 
@@ -210,7 +196,6 @@ def read_log(path: Path) -> list[Call]:
 
 
 def options_of_program() -> list[str]:
-    """The options of the program that take a value."""
     text = subprocess.run([EXE, "--help"], capture_output=True, text=True, check=True).stdout
     return [word for line in re.findall(r"^  (-.*? [A-Z]\S+)  ", text, re.MULTILINE)
             for word in re.findall(r"--?\w+", line)]  # fmt: skip
@@ -266,7 +251,6 @@ class ValuesTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls) -> None:
-        """Copy the checkout."""
         folder = tempfile.TemporaryDirectory(prefix="spintop-values-")
         cls.addClassCleanup(folder.cleanup)
         cls.checkout = Checkout(Path(folder.name))
@@ -297,7 +281,6 @@ class ValuesTest(unittest.TestCase):
         return found
 
     def check(self, jobs: list[tuple]) -> None:
-        """Run jobs at once, and tell what went wrong."""
         with ThreadPoolExecutor(os.cpu_count()) as pool:
             results = pool.map(lambda job: self.faults(*job), jobs)
             for job, found in zip(jobs, results, strict=True):
@@ -305,7 +288,6 @@ class ValuesTest(unittest.TestCase):
                     assert found == []
 
     def test_arguments(self) -> None:
-        """Values among the arguments."""
         jobs = [
             (script, value, words)
             for script in sorted(set(SCRIPTS) - HAND_ON)
@@ -330,7 +312,6 @@ class ValuesTest(unittest.TestCase):
                 assert os.path.samefile(folder / drawn[1], folder / value / "a.csv")
 
     def test_environment(self) -> None:
-        """Values of variables of the environment that a script reads."""
         jobs = [
             (script, value, arguments_of(script, "plain")[0], variable)
             for script in SCRIPTS

@@ -35,8 +35,7 @@ module spintop
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_formulations, only: formulation_infos, create_formulation
     use spintop_stepper, only: stepper_t, method_info_t, controls_t, counts_t
-    use spintop_methods, only: method_infos, create_stepper
-    use spintop_suitability, only: can_run
+    use spintop_methods, only: can_run, create_stepper, method_infos
     use spintop_events, only: event_t, event_search_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_taylor_lanes, only: integrate_many

@@ -70,6 +70,15 @@ module spintop_least_squares
             real(dp), intent(inout) :: par !! the parameter: an estimate on entry
             real(dp), intent(out) :: x(*), sdiag(*), wa1(*), wa2(*) !! the step, negative; work space
         end subroutine lmpar
+
+        !> LAPACK's sort of numbers.
+        subroutine dlasrt(id, n, d, info)
+            import :: dp
+            character, intent(in) :: id !! I: increasing
+            integer, intent(in) :: n !! number of them
+            real(dp), intent(inout) :: d(*) !! the numbers
+            integer, intent(out) :: info !! 0
+        end subroutine dlasrt
     end interface
 
 contains
@@ -135,47 +144,17 @@ contains
 
     !> The standard deviation of residuals by the median of their magnitudes, without the smallest, as many as parameters,
     !> which these can make vanish.
-    pure real(dp) function robust_deviation(residuals, parameters) result(deviation)
+    real(dp) function robust_deviation(residuals, parameters) result(deviation)
         real(dp), intent(in) :: residuals(:) !! the residuals, more than parameters
         integer, intent(in) :: parameters !! number of parameters that were fitted
+        real(dp) :: sizes(size(residuals))
+        integer :: info
+        sizes = abs(residuals)
         associate (m => size(residuals))
-            deviation = smallest(abs(residuals), min(parameters + (m - parameters + 1) / 2, m)) / median_of_gaussian
+            call dlasrt('I', m, sizes, info)
+            deviation = sizes(min(parameters + (m - parameters + 1) / 2, m)) / median_of_gaussian
         end associate
     end function robust_deviation
-
-    !> The k-th smallest of some numbers (Hoare's selection).
-    pure real(dp) function smallest(numbers, k)
-        real(dp), intent(in) :: numbers(:)
-        integer, intent(in) :: k
-        real(dp) :: x(size(numbers)), pivot, kept
-        integer :: first, last, i, j
-
-        x = numbers
-        first = 1
-        last = size(x)
-        do while (first < last)
-            pivot = x(k)
-            i = first
-            j = last
-            do while (i <= j)
-                do while (x(i) < pivot)
-                    i = i + 1
-                end do
-                do while (pivot < x(j))
-                    j = j - 1
-                end do
-                if (i > j) exit
-                kept = x(i)
-                x(i) = x(j)
-                x(j) = kept
-                i = i + 1
-                j = j - 1
-            end do
-            if (j < k) first = i
-            if (k < i) last = j
-        end do
-        smallest = x(k)
-    end function smallest
 
     !> Finds the least sum of squares near `x`. Parameters that are not free keep their values.
     subroutine minimize(model, x, m, free, minimum, goal, jacobian, most)

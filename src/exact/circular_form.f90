@@ -5,7 +5,7 @@ module spintop_circular_form
     use spintop_kinds, only: dp
     use spintop_theta_functions, only: theta_clock_t, theta_values_t
     use spintop_circular_functions, only: find_sine_and_cosine
-    use spintop_turning_points, only: cubic_t, roots_t, turning_points_t
+    use spintop_turning_points, only: cubic_t, roots_t
     implicit none
     private
     public :: circular_form_t, prepare_circular_form, evaluate_circular_form
@@ -31,24 +31,17 @@ module spintop_circular_form
     end type circular_form_t
 
     interface
-        pure subroutine prepare_circular(cubic, roots, clock, form) bind(C, name='spintop_prepare_circular')
+        !> Prepares clock and series of a motion with k^2 <= 1/2.
+        pure subroutine prepare_circular_form(cubic, roots, clock, form) bind(C, name='spintop_prepare_circular')
             import :: circular_form_t, cubic_t, roots_t, theta_clock_t
-            type(cubic_t), intent(in) :: cubic
-            type(roots_t), intent(in) :: roots
-            type(theta_clock_t), intent(out) :: clock
-            type(circular_form_t), intent(out) :: form
-        end subroutine prepare_circular
+            type(cubic_t), intent(in) :: cubic !! the cubic of the motion
+            type(roots_t), intent(in) :: roots !! its roots
+            type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
+            type(circular_form_t), intent(out) :: form !! the theta functions of the motion
+        end subroutine prepare_circular_form
     end interface
 
 contains
-
-    !> Prepares clock and series of a motion with k^2 <= 1/2.
-    pure subroutine prepare_circular_form(points, clock, form)
-        type(turning_points_t), intent(in) :: points !! turning points of the motion
-        type(theta_clock_t), intent(out) :: clock !! growth of argument and phases with time
-        type(circular_form_t), intent(out) :: form !! the theta functions of the motion
-        call prepare_circular(points%cubic, points%roots, clock, form)
-    end subroutine prepare_circular_form
 
     !> The theta functions at the argument z, |z| <= pi/2.
     pure subroutine evaluate_circular_form(form, z, from_top, theta)

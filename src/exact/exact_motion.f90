@@ -6,16 +6,14 @@
 module spintop_exact_motion
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp, no_number, is_finite, is_zero
-    use spintop_attitude, only: angles_from_quaternion, vertical_from_quaternion
+    use spintop_attitude, only: vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_given_axes, only: given_axes_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
-    use spintop_pole_passages, only: follow_motion
-    use spintop_poles, only: reach_of
     use spintop_status, only: is_ok, status_non_finite, status_unsuitable
     use spintop_symmetric_motion, only: prepare_symmetric_motion, symmetric_angles, symmetric_at, symmetric_motion_t, &
         symmetric_quaternion
+    use spintop_turn_counter, only: new_turn_counter, turn_counter_t
     implicit none
     private
     public :: exact_motion_t, prepare_exact_motion
@@ -25,12 +23,9 @@ module spintop_exact_motion
     type, extends(symmetric_motion_t) :: exact_motion_t
         !> The motion of a free body that is not a symmetric top.
         type(free_motion_t), allocatable :: free
-        !> The axes in which the body was given, its angles there at the start, rad, where they differ from those of the solution;
-        !> and a bound of its angular velocity, rad/s, where turns are followed.
-        type(given_axes_t), private :: given
-        real(dp), private :: given_angle(3) = 0, greatest_rate = 0
-        !> The distances, rad, up to which the axis passes through a pole, in both kinds of axes.
-        real(dp), private :: reach(2) = 0
+        !> Where turns are counted along the motion: the counter at the start, and a bound of the angular velocity, rad/s.
+        type(turn_counter_t), private :: turns
+        real(dp), private :: greatest_rate = 0
     contains
         procedure :: at
         procedure :: find_angles
@@ -70,9 +65,7 @@ contains
             if (.not. is_ok(status)) deallocate (exact%free)
         end if
         if (.not. is_ok(status) .or. .not. (allocated(exact%free) .or. body%given%differ)) return
-        exact%reach = reach_of(body, start)
-        exact%given = body%given
-        exact%given_angle = start%given_angle
+        exact%turns = new_turn_counter(body, start)
         exact%greatest_rate = greatest_rate(exact, body, start)
     end subroutine prepare_exact_motion
 
@@ -106,7 +99,7 @@ contains
         else
             motion = symmetric_at(self%symmetric_motion_t, t)
         end if
-        if (self%given%differ) motion%given_angle = self%given_angle
+        if (self%turns%axes%differ) motion%given_angle = self%turns%last%angle
     end function at
 
     !> The angles and their rates at time t, s, as `at` gives them. For a symmetric top this is faster.
@@ -139,12 +132,12 @@ contains
     !> Whether turns of phi and psi are counted by `follow`. Otherwise `at` gives all of them.
     pure logical function has_to_follow(self)
         class(exact_motion_t), intent(in) :: self
-        has_to_follow = allocated(self%free) .or. self%given%differ
+        has_to_follow = allocated(self%free) .or. self%turns%axes%differ
     end function has_to_follow
 
     !> The motion at time t, s. The turns of phi and psi are those of `last`, an instant of the same solution, and
-    !> those since then, and so are those of the angles in other given axes. For a free body, and in other axes, these are
-    !> counted by steps of a fraction of a turn; if more than `most_steps` were needed, the angles are NaN.
+    !> those since then; where the body was given in other axes they are those of `given_angle`. For a free body, and in other
+    !> axes, they are counted by steps of a fraction of a turn; if more than `most_steps` were needed, the angles are NaN.
     pure subroutine follow(self, last, t, motion, steps, most_steps)
         class(exact_motion_t), intent(in) :: self
         type(motion_t), intent(in) :: last !! an instant of the motion
@@ -154,47 +147,41 @@ contains
         integer(int64), intent(in) :: most_steps !! bound of `steps`
         !> Rotation in a step, rad, and the smallest fraction of it that is tried where the axis meets a pole.
         real(dp), parameter :: longest = 0.5_dp, shortest = 1.0e-12_dp
-        type(motion_t) :: now, next
-        real(dp) :: pace, step, angle(3)
-        logical :: sure, also_sure
+        type(turn_counter_t) :: turns
+        type(motion_t) :: next
+        real(dp) :: pace, step
+        logical :: sure
 
         motion = self%at(t)
         if (.not. self%has_to_follow()) return
-        now = last
+        turns = self%turns
+        call turns%start_at(last)
         pace = longest / max(self%greatest_rate, tiny(pace))
         step = pace
-        do while (abs(t - now%t) > 0)
+        do while (abs(t - turns%last%t) > 0)
             next = motion
-            if (step < abs(t - now%t)) then
+            if (step < abs(t - turns%last%t)) then
                 if (steps >= most_steps) then
                     motion%angle = no_number
                     motion%given_angle = no_number
                     return
                 end if
                 steps = steps + 1
-                next = self%at(now%t + sign(step, t - now%t))
+                next = self%at(turns%last%t + sign(step, t - turns%last%t))
             end if
-            sure = .true.
-            also_sure = .true.
-            if (self%given%differ) call self%given%follow(now, next, self%reach(2), sure)
-            if (allocated(self%free)) then
-                angle = now%angle
-                next%passed = now%passed
-                call follow_motion(now, next, self%reach(1), next%passed, angle, also_sure)
-                next%angle = angle
-                if (.not. next%passed%arrived) next%angle = angles_from_quaternion(next%quaternion, angle)
-            end if
-            if ((sure .and. also_sure) .or. step < shortest * pace) then
-                now = next
+            call turns%advance(next, sure, is_forced=step < shortest * pace)
+            if (sure .or. step < shortest * pace) then
                 step = min(2 * step, pace)
             else
-                step = min(step, abs(t - now%t)) / 2
+                step = min(step, abs(t - turns%last%t)) / 2
             end if
         end do
-        motion%angle = now%angle
-        motion%given_angle = now%given_angle
-        motion%passed = now%passed
-        motion%given_passed = now%given_passed
+        motion%passed = turns%last%passed
+        if (turns%axes%differ) then
+            motion%given_angle = turns%angle()
+        else
+            motion%angle = turns%angle()
+        end if
     end subroutine follow
 
 end module spintop_exact_motion

@@ -12,11 +12,11 @@ module spintop_nutation
     use spintop_theta_motion, only: theta_motion_t, regime_resting
     implicit none
     private
-    public :: nutation_t, find_nutation, describe_nutation, is_defined, whole_half_turns, class_name, class_meaning, class_names
+    public :: nutation_t, find_nutation, describe_nutation, is_defined, whole_half_turns, class_name, class_names, class_meanings
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
     public :: class_separatrix, class_libration, class_circulation, last_class
 
-    !> Classes of motion. `class_meaning` gives a phrase for each.
+    !> Classes of motion. `class_meanings` has a phrase for each.
     integer, parameter :: class_loop = 1, class_cusp = 2, class_wave = 3, class_steady = 4, class_sleeping = 5, class_hanging = 6, &
         class_separatrix = 7, class_libration = 8, class_circulation = 9, last_class = 9
 
@@ -24,7 +24,8 @@ module spintop_nutation
     character(*), parameter :: class_names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
         'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation']
 
-    character(*), parameter :: meanings(last_class) = [character(80) :: &
+    !> A phrase that explains each.
+    character(*), parameter :: class_meanings(last_class) = [character(80) :: &
         'the precession reverses in every nutation', &
         'the precession comes to rest at the upper turning angle', &
         'the precession keeps its direction', &
@@ -94,13 +95,6 @@ contains
         name = 'unknown'
         if (class >= 1 .and. class <= last_class) name = trim(class_names(class))
     end function class_name
-
-    !> One phrase that explains a class.
-    pure function class_meaning(class) result(meaning)
-        integer, intent(in) :: class !! one of the class constants
-        character(:), allocatable :: meaning
-        meaning = trim(meanings(class))
-    end function class_meaning
 
     !> The complete quantities of a motion whose theta functions are set up.
     pure type(nutation_t) function describe_nutation(points) result(nutation)

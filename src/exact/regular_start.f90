@@ -71,7 +71,12 @@ contains
         complex(xp) :: swing
         real(xp) :: inertia
 
-        status = status_of_data(body, start)
+        status = status_ok
+        if (.not. body%is_lagrange() .or. .not. body%inertia(1) > 0 &
+            .or. body%inertia(3) < 0) status = status_unsuitable
+        if (.not. all(is_finite([start%t, start%angle, start%omega, start%quaternion])) &
+            .or. .not. norm2(start%quaternion) > 0 &
+            .or. .not. all(is_finite([body%inertia, body%mgl()]))) status = status_non_finite
         if (.not. is_ok(status)) return
 
         if (rates_describe(start)) then
@@ -79,7 +84,10 @@ contains
         else
             call set_from_quaternion(start, regular, swing)
         end if
-        regular%turns_against_angles = opposes(start%quaternion, regular)
+        associate (q => start%quaternion)
+            regular%turns_against_angles = real(conjg(regular%upper) * cmplx(q(1), q(4), xp) &
+                                                + conjg(regular%lower) * cmplx(q(2), q(3), xp), xp) < 0
+        end associate
 
         inertia = body%inertia(1)
         regular%time = start%t
@@ -95,17 +103,6 @@ contains
         regular%upper_phase = (real(start%angle(1), xp) + start%angle(3)) / 2
         regular%lower_phase = (real(start%angle(1), xp) - start%angle(3)) / 2
     end subroutine find_regular_start
-
-    pure integer function status_of_data(body, start) result(status)
-        type(body_t), intent(in) :: body
-        type(motion_t), intent(in) :: start
-        status = status_ok
-        if (.not. body%is_lagrange() .or. .not. body%inertia(1) > 0 &
-            .or. body%inertia(3) < 0) status = status_unsuitable
-        if (.not. all(is_finite([start%t, start%angle, start%omega, start%quaternion])) &
-            .or. .not. norm2(start%quaternion) > 0 &
-            .or. .not. all(is_finite([body%inertia, body%mgl()]))) status = status_non_finite
-    end function status_of_data
 
     !> Whether angles and rates are the more accurate description of the start; else quaternion and omega are.
     pure logical function rates_describe(start)
@@ -193,14 +190,6 @@ contains
             end if
         end associate
     end function opposes_angles
-
-    !> Whether a quaternion is the negative of the components.
-    pure logical function opposes(q, regular)
-        real(dp), intent(in) :: q(4)
-        type(regular_start_t), intent(in) :: regular
-        opposes = real(conjg(regular%upper) * cmplx(q(1), q(4), xp) &
-                       + conjg(regular%lower) * cmplx(q(2), q(3), xp), xp) < 0
-    end function opposes
 
     !> exp(i angle); the intrinsic function of a complex number takes longer.
     elemental complex(xp) function unit(angle)

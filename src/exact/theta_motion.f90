@@ -4,13 +4,12 @@ module spintop_theta_motion
     use spintop_circular_functions, only: nearest_whole
     use spintop_turning_points, only: turning_points_t
     use spintop_theta_functions, only: theta_clock_t, theta_values_t
-    use spintop_circular_form, only: circular_form_t, prepare_circular_form, &
-        evaluate_circular_form
+    use spintop_circular_form, only: circular_form_t, evaluate_circular_form, prepare_circular_form
     use spintop_hyperbolic_form, only: hyperbolic_form_t, prepare_hyperbolic_form, &
         evaluate_hyperbolic_form
     implicit none
     private
-    public :: theta_motion_t, prepare_theta_motion, choose_regime
+    public :: theta_motion_t
     public :: regime_resting, regime_circular, regime_hyperbolic
 
     !> The axis is at rest: upright, hanging, or anywhere without weight and angular velocity.
@@ -37,38 +36,21 @@ module spintop_theta_motion
 
 contains
 
-    !> Selects the form for a case.
-    pure integer function choose_regime(points) result(regime)
-        type(turning_points_t), intent(in) :: points !! turning points of the motion
-        logical :: at_rest, in_balance
-        at_rest = .not. points%swing_squared > 0
-        in_balance = .not. points%beta * points%sine_squared > 0
-        if ((at_rest .and. in_balance) .or. .not. points%roots%frequency > 0) then
-            regime = regime_resting
-        else if (points%roots%k_squared <= 0.5_dp) then
-            regime = regime_circular
-        else
-            regime = regime_hyperbolic
-        end if
-    end function choose_regime
-
-    !> Selects the form and prepares it.
-    pure type(theta_motion_t) function prepare_theta_motion(points) result(motion)
-        type(turning_points_t), intent(in) :: points !! turning points of the motion
-        motion%turning_points_t = points
-        call motion%set_form()
-    end function prepare_theta_motion
-
-    !> The same in place, for turning points that are set.
+    !> Selects the form for turning points that are set, and prepares it.
     pure subroutine set_form(motion)
         class(theta_motion_t), intent(inout) :: motion
-        motion%regime = choose_regime(motion%turning_points_t)
-        select case (motion%regime)
-        case (regime_circular)
-            call prepare_circular_form(motion%turning_points_t, motion%clock, motion%circular)
-        case (regime_hyperbolic)
+        logical :: at_rest, in_balance
+        at_rest = .not. motion%swing_squared > 0
+        in_balance = .not. motion%beta * motion%sine_squared > 0
+        if ((at_rest .and. in_balance) .or. .not. motion%roots%frequency > 0) then
+            motion%regime = regime_resting
+        else if (motion%roots%k_squared <= 0.5_dp) then
+            motion%regime = regime_circular
+            call prepare_circular_form(motion%cubic, motion%roots, motion%clock, motion%circular)
+        else
+            motion%regime = regime_hyperbolic
             call prepare_hyperbolic_form(motion%turning_points_t, motion%clock, motion%hyperbolic)
-        end select
+        end if
     end subroutine set_form
 
     !> The argument at a time `elapsed` (s) after the start, reduced by whole nutations.

@@ -3,7 +3,7 @@
 !> A formulation is prepared once for a body and a start and does not change afterwards, so threads may share
 !> it. States are arrays of fixed size; unused components are zero.
 module spintop_formulation
-    use spintop_attitude, only: follow_angles, may_meet_pole, quaternion_product
+    use spintop_attitude, only: quaternion_product
     use spintop_kinds, only: dp, epsilon_dp, qp, xp
     use spintop_body, only: body_t
     use spintop_effects_action, only: effects_action_t
@@ -92,7 +92,7 @@ module spintop_formulation
         procedure :: motion
         procedure, non_overridable :: motion_without_angles
         procedure :: find_motions
-        procedure, non_overridable :: follow
+        procedure, non_overridable :: find_attitude
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
         procedure :: find_stages => find_no_stages
@@ -169,11 +169,20 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(motion_t) :: motion
         real(dp), parameter :: any_angles(3) = 0
-        real(dp) :: length
         if (self%attitude == 0) then
             motion = self%motion(t, y, any_angles)
             return
         end if
+        call self%find_attitude(t, y, motion)
+        if (abs(self%sigma) > 0) call add_spin(self%sigma, motion)
+    end function motion_without_angles
+
+    !> The attitude that is in the state, without the separated spin, its angular velocity, and the rate of that.
+    pure subroutine find_attitude(self, t, y, motion)
+        class(formulation_t), intent(in) :: self
+        real(dp), intent(in) :: t, y(max_states) !! time, s, and state
+        type(motion_t), intent(inout) :: motion !! its angles are not set
+        real(dp) :: length
         associate (q => y(self%attitude:self%attitude + 3))
             length = sqrt(q(1)**2 + q(2)**2 + q(3)**2 + q(4)**2)
             motion%t = t
@@ -181,8 +190,7 @@ contains
             motion%norm_error = length - 1
         end associate
         call self%kinematics(t, y, motion%omega, motion%omega_rate)
-        if (abs(self%sigma) > 0) call add_spin(self%sigma, motion)
-    end function motion_without_angles
+    end subroutine find_attitude
 
     !> Adds the separated spin to a motion: a turn about body z, at a constant rate.
     pure subroutine add_spin(sigma, motion)
@@ -361,34 +369,5 @@ contains
         logical, intent(out) :: clipped !! whether the energy had no such speed
         clipped = .false.
     end subroutine keep_speed
-
-    !> Continues angles from one time and state to a later one, so that angles that the state contains only
-    !> modulo a turn are continuous. If `sure` is false, states in between are needed.
-    pure subroutine follow(self, t_last, y_last, t, y, angle, sure, beside)
-        class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: t_last, y_last(max_states), t, y(max_states) !! times, s, and states at both ends
-        real(dp), intent(inout) :: angle(3)
-            !! phi, theta, psi at the earlier state on entry, at the later one on return, rad
-        logical, intent(out) :: sure, beside !! whether the turns are certain; whether body z is beside a pole then
-        real(dp) :: omega_last(3), omega(3), rate(3, 2)
-
-        sure = .true.
-        beside = .false.
-        if (self%attitude == 0) return
-        ! The attitude of the state has these angles minus sigma t.
-        angle(3) = angle(3) - real(self%sigma, dp) * t_last
-        call self%kinematics(t_last, y_last, omega_last)
-        call self%kinematics(t, y, omega)
-        associate (q_last => y_last(self%attitude:self%attitude + 3), q => y(self%attitude:self%attitude + 3))
-            if (may_meet_pole(q_last, omega_last, q, omega, t - t_last)) then
-                call self%kinematics(t_last, y_last, omega_last, rate(:, 1))
-                call self%kinematics(t, y, omega, rate(:, 2))
-                call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside, rate)
-            else
-                call follow_angles(q_last, omega_last, q, omega, t - t_last, angle, sure, beside)
-            end if
-        end associate
-        angle(3) = angle(3) + real(self%sigma, dp) * t
-    end subroutine follow
 
 end module spintop_formulation

@@ -3,7 +3,6 @@ module spintop_fixed_step
     use spintop_kinds, only: dp, is_equal
     use spintop_formulation, only: formulation_t, max_states, structure_split
     use spintop_lapack, only: dgetrf, dgetrs
-    use spintop_motions, only: instants
     use spintop_status, only: is_ok, status_non_finite, status_outside, status_step_too_small
     use spintop_stepper, only: run_state_t, stepper_t
     implicit none
@@ -30,7 +29,6 @@ module spintop_fixed_step
         procedure :: set_order
         procedure :: fit
         procedure :: at
-        procedure :: at_several
     end type dense_output_t
 
     !> Value of `grid` for a run that has left the grid of fixed step size.
@@ -49,7 +47,6 @@ module spintop_fixed_step
         procedure :: advance => advance_on_grid
         procedure(try_step), deferred :: try_step
         procedure :: state_within
-        procedure :: states_within
     end type grid_stepper_t
 
     !> A method with one step formula.
@@ -153,20 +150,6 @@ contains
         end do
     end function at
 
-    !> The states at several fractions of the step, all by the same instructions.
-    pure subroutine at_several(self, fraction, y)
-        class(dense_output_t), intent(in) :: self
-        real(dp), intent(in) :: fraction(instants) !! positions in the step, from 0 to 1
-        real(dp), intent(out) :: y(instants, max_states) !! the states
-        integer :: k, m
-        do m = 1, max_states
-            y(:, m) = self%coefficient(m, self%degree)
-            do k = self%degree - 1, 0, -1
-                y(:, m) = y(:, m) * fraction + self%coefficient(m, k)
-            end do
-        end do
-    end subroutine at_several
-
     !> Whether steps start from the slope; those by drift and kick do not, whose slopes are evaluated for dense output only.
     pure logical function starts_from_slope(self)
         class(grid_stepper_t), intent(in) :: self
@@ -249,40 +232,24 @@ contains
         end associate
     end function grid_time
 
-    !> The state within the last step, to the order of the method (at least 4, at most 8).
+    !> The state within the last step, to the order of the method (at least 4, at most 8). The polynomial is fitted once.
     function state_within(self, t) result(y)
         class(grid_stepper_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states)
+        integer :: status
 
         y = self%y
-        call fit_step(self)
+        if (.not. is_equal(self%t_fitted, self%t)) then
+            if (.not. starts_from_slope(self)) then
+                call self%evaluate(self%t_last, self%y_last, self%slope_last, status)
+                call self%evaluate(self%t, self%y, self%slope, status)
+            end if
+            if (self%dense%level < 0) call self%dense%set_order(self%order())
+            call self%dense%fit(self%run_state_t, self%slope_last)
+            self%t_fitted = self%t
+        end if
         y = self%dense%at((t - self%t_last) / (self%t - self%t_last))
     end function state_within
-
-    !> The states at several times within the last step, all by the same instructions.
-    subroutine states_within(self, t, y)
-        class(grid_stepper_t), intent(inout) :: self
-        real(dp), intent(in) :: t(instants) !! times, s
-        real(dp), intent(out) :: y(instants, max_states) !! states
-
-        y = 0
-        call fit_step(self)
-        call self%dense%at_several((t - self%t_last) / (self%t - self%t_last), y)
-    end subroutine states_within
-
-    !> Fits the polynomial of the last step, if this was not done yet.
-    subroutine fit_step(self)
-        class(grid_stepper_t), intent(inout) :: self
-        integer :: status
-        if (is_equal(self%t_fitted, self%t)) return
-        if (.not. starts_from_slope(self)) then
-            call self%evaluate(self%t_last, self%y_last, self%slope_last, status)
-            call self%evaluate(self%t, self%y, self%slope, status)
-        end if
-        if (self%dense%level < 0) call self%dense%set_order(self%order())
-        call self%dense%fit(self%run_state_t, self%slope_last)
-        self%t_fitted = self%t
-    end subroutine fit_step
 
 end module spintop_fixed_step

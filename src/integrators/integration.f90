@@ -4,20 +4,19 @@ module spintop_integration
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
     use spintop_caller, only: stop_is_wanted
-    use spintop_constancy, only: margin, noise_of_step, noise_of_tolerance, noise_within_step
+    use spintop_constancy, only: find_noise_of_steps, margin, noise_of_tolerance
     use spintop_event, only: occasion_knot, occasion_none
     use spintop_events, only: event_search_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp, no_number
     use spintop_loads, only: works
+    use spintop_methods, only: call_status
     use spintop_motion, only: motion_t
-    use spintop_poles, only: reach_of
     use spintop_segments, only: segments_t
     use spintop_status, only: is_ok, status_at_rest, status_not_converged, status_ok, status_outside, &
         status_step_limit, status_step_too_small, status_too_many_events, status_turning_point
-    use spintop_step_path, only: follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
+    use spintop_step_path, only: follow_from, follower_t, go_to, motion_of_follower, step_path_t, walk_to, work_account_t
     use spintop_stepper, only: counts_t, stepper_t
-    use spintop_suitability, only: call_status
     implicit none
     private
     public :: integrate, observer_t, outcome_t
@@ -109,7 +108,7 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: slope(max_states), noise, h
+        real(dp) :: slope(max_states), noise, noise_of_step, h
         logical :: is_idle
 
         associate (formulation => self%formulation, stepper => self%method)
@@ -123,17 +122,15 @@ contains
             end if
             is_idle = .not. self%observer%counts_turns
             if (associated(self%search)) is_idle = is_idle .and. .not. self%search%needs_turns
-            self%follower = follower_t(0.0_dp, stepper%y, start%angle, start%given_angle, is_idle)
-            self%follower%formulation => formulation
-            if (.not. is_idle) self%follower%reach = reach_of(body, start)
+            self%follower = follow_from(self%formulation, body, start, stepper%y, is_idle)
             noise = noise_of_tolerance(stepper%controls%relative_tolerance, stepper%info%share)
-            self%error_of_step = margin * noise
+            noise_of_step = noise
             if (stepper%controls%steps > 0) then
                 h = stepper%t_end / stepper%controls%steps
                 self%slack = grid_slack * h
-                self%error_of_step = margin * noise_of_step(body, start, h, stepper%order())
-                noise = noise_within_step(body, start, h, stepper%order())
+                call find_noise_of_steps(body, start, h, stepper%order(), noise_of_step, noise)
             end if
+            self%error_of_step = margin * noise_of_step
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
             call observe_until(self, 0.0_dp)
@@ -147,8 +144,7 @@ contains
             if (.not. associated(self%search)) return
             if (self%account%is_open) self%path%account => self%account
             self%search%method_noise = noise
-            call self%search%begin(body, motion_of_follower(self%follower))
-            call self%search%judge(body, start)
+            call self%search%begin(body, motion_of_follower(self%follower), start)
         end associate
     end subroutine begin_run
 
@@ -175,8 +171,8 @@ contains
         associate (stepper => self%stepper)
             if (stepper%t > self%follower%t) call go_to(self%follower, stepper%t, stepper%y)
             if (associated(self%search)) then
-                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%angle)
-                motion%given_angle = self%follower%given_angle
+                motion = self%formulation%motion(stepper%t, stepper%y, self%follower%near)
+                motion%given_angle = self%follower%turns%last%angle
                 call self%search%record_occasion(self%segments%occasion, motion, self%account%total)
                 ends = self%search%has_enough
             end if
@@ -199,8 +195,15 @@ contains
                 status = merge(status_too_many_events, status_step_limit, search%is_full)
                 ends = .true.
             end if
-            if (ends) call observe_end(self, search%t)
         end associate
+        if (.not. ends) return
+        ! The samples before the end of the run, and the end.
+        do while (self%next <= self%last .and. .not. self%observer%has_enough)
+            if (self%samples(self%next) >= self%search%t) exit
+            if (self%stepper%controls%steps == 0) call observe_within(self, self%samples(self%next))
+            self%next = self%next + 1
+        end do
+        call observe_within(self, self%search%t)
     end subroutine find_events_in_step
 
     !> Finds the events up to each row of a table of torques in the last step, and records those of the row.
@@ -224,7 +227,7 @@ contains
     subroutine observe_until(self, t)
         type(run_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
-        self%follower%error = self%error_of_step * real(self%stepper%counts%steps, dp)
+        self%follower%turns%error = self%error_of_step * real(self%stepper%counts%steps, dp)
         associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
             do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
@@ -245,18 +248,6 @@ contains
         if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
     end subroutine observe_until
 
-    !> Passes the remaining samples, and the end, of a run that ends within the last step to the observer.
-    subroutine observe_end(self, t)
-        type(run_t), intent(inout) :: self
-        real(dp), intent(in) :: t !! time, s
-        do while (self%next <= self%last .and. .not. self%observer%has_enough)
-            if (self%samples(self%next) >= t) exit
-            if (self%stepper%controls%steps == 0) call observe_within(self, self%samples(self%next))
-            self%next = self%next + 1
-        end do
-        call observe_within(self, t)
-    end subroutine observe_end
-
     !> Passes the motion at a time within the last step to the observer.
     subroutine observe_within(self, t)
         type(run_t), intent(inout) :: self
@@ -272,8 +263,8 @@ contains
             call self%account%go_to(self%stepper, self%follower%t)
             self%observer%work = self%account%total
         end if
-        self%observer%given_angle = self%follower%given_angle
-        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%angle)
+        self%observer%given_angle = self%follower%turns%last%angle
+        call self%observer%observe(self%formulation, self%follower%t, self%follower%y, self%follower%near)
         self%shown = self%follower%t
     end subroutine show
 
@@ -406,9 +397,7 @@ contains
         outcome%status = status
         outcome%t = run%stepper%t
         outcome%counts = run%stepper%counts
-        associate (follower => run%follower)
-            outcome%doubtful_passages = merge(follower%given_passed%doubtful, follower%passed%doubtful, body%given%differ)
-        end associate
+        outcome%doubtful_passages = run%follower%turns%last%passed%doubtful
         if (allocated(run%segments)) then
             if (run%segments%is_resting) then
                 outcome%t_stuck = run%segments%t_stuck

@@ -1,18 +1,18 @@
 !> The motion within the last step of a run, by dense output, with angles that are followed through every turn, and the work of
 !> effects along it.
 module spintop_step_path
-    use spintop_attitude, only: square_to_pole
+    use spintop_body, only: body_t
     use spintop_events, only: path_t
     use spintop_formulation, only: formulation_t, max_states
     use spintop_kinds, only: dp
     use spintop_loads, only: works
-    use spintop_motion, only: motion_t, passages_t
+    use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_pole_passages, only: is_at_pole, settle_angles, through_pole
     use spintop_stepper, only: stepper_t
+    use spintop_turn_counter, only: new_turn_counter, turn_counter_t
     implicit none
     private
-    public :: follower_t, step_path_t, work_account_t, go_to, motion_of_follower, walk_to
+    public :: follower_t, step_path_t, work_account_t, follow_from, go_to, motion_of_follower, walk_to
 
     !> The work since the start.
     type :: work_account_t
@@ -37,15 +37,11 @@ module spintop_step_path
 
     !> The angles, followed through every step, or constant.
     type :: follower_t
-        real(dp) :: t = 0, y(max_states) = 0, angle(3) = 0
-        !> Those in the axes in which the body was given, where they differ.
-        real(dp) :: given_angle(3) = 0
+        real(dp) :: t = 0, y(max_states) = 0
+        !> Angles near those of the motion in the axes of the computation, rad.
+        real(dp) :: near(3) = 0
+        type(turn_counter_t) :: turns
         logical :: is_idle = .false.
-        !> How far off a pole is passed through, rad, and the passages so far, in both kinds of axes.
-        real(dp) :: reach(2) = 0
-        !> How far off the motion may be, rad.
-        real(dp) :: error = 0
-        type(passages_t) :: passed = passages_t(), given_passed = passages_t()
         class(formulation_t), pointer :: formulation => null()
     end type follower_t
 
@@ -113,7 +109,7 @@ contains
             if (t > self%seen(3)%t) self%seen(2:3) = [self%seen(3), follower]
         else
             motion = self%stepper%formulation%motion_without_angles(t, y)
-            motion%given_angle = self%seen(1)%given_angle
+            motion%given_angle = self%seen(1)%turns%last%angle
         end if
     end subroutine motion_in_step
 
@@ -166,14 +162,63 @@ contains
         step_is_spent = self%stepper%is_spent()
     end function step_is_spent
 
-    !> Moves to a later time and state.
-    subroutine go_to(self, t, y)
+    !> The angles at the start of a motion, from where they are followed unless they are `idle`.
+    type(follower_t) function follow_from(formulation, body, start, y, is_idle) result(self)
+        class(formulation_t), pointer, intent(in) :: formulation !! the equations of motion
+        type(body_t), intent(in) :: body !! mass properties about the fixed point
+        type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
+        real(dp), intent(in) :: y(max_states) !! the state there
+        logical, intent(in) :: is_idle !! whether angles stay as they are
+        type(motion_t) :: first
+        self%formulation => formulation
+        self%is_idle = is_idle
+        self%y = y
+        self%near = start%angle
+        if (is_idle) then
+            self%turns%last%angle = start%given_angle
+            return
+        end if
+        self%turns = new_turn_counter(body, start)
+        if (body%given%differ) then
+            first = formulation%motion_without_angles(0.0_dp, y)
+            first%given_angle = start%given_angle
+            call self%turns%start_at(first)
+        else if (formulation%attitude > 0) then
+            call formulation%find_attitude(0.0_dp, y, self%turns%last)
+            self%turns%spin = real(formulation%sigma, dp)
+        end if
+    end function follow_from
+
+    !> Moves to a later time and state; if `sure` is present, only where the turns are certain.
+    subroutine go_to(self, t, y, sure)
         type(follower_t), intent(inout) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(follower_t) :: there
-        logical :: sure
-        call try(self, t, y, there, sure)
-        self = there
+        logical, intent(out), optional :: sure !! whether the turns are certain
+        type(motion_t) :: next
+        logical :: is_sure, meets_pole
+
+        is_sure = .true.
+        associate (formulation => self%formulation, turns => self%turns)
+            if (.not. self%is_idle .and. turns%axes%differ) then
+                next = formulation%motion_without_angles(t, y)
+                call turns%advance(next, is_sure, is_forced=.not. present(sure))
+            else if (.not. self%is_idle .and. formulation%attitude > 0) then
+                next%t = t
+                next%quaternion = y(formulation%attitude:formulation%attitude + 3)
+                call formulation%kinematics(t, y, next%omega)
+                meets_pole = turns%may_meet_pole(next)
+                if (meets_pole) then
+                    call formulation%find_attitude(self%t, self%y, turns%last)
+                    call formulation%find_attitude(t, y, next)
+                end if
+                call turns%advance(next, is_sure, is_forced=.not. present(sure), meets_pole=meets_pole)
+                self%near = turns%last%angle
+            end if
+        end associate
+        if (present(sure)) sure = is_sure
+        if (present(sure) .and. .not. is_sure) return
+        self%t = t
+        self%y = y
     end subroutine go_to
 
     !> Moves to a state within the last step, in small increments where the axis passes a pole and the states
@@ -182,20 +227,13 @@ contains
         type(follower_t), intent(inout) :: self
         class(stepper_t), intent(inout) :: stepper !! the method that took the step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
-        type(follower_t) :: there
         real(dp) :: middle
         logical :: sure
 
-        if (self%is_idle) then
-            self%t = t
-            self%y = y
-            return
-        end if
-        call try(self, t, y, there, sure)
-        if (.not. sure) sure = t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) &
-                               .or. stepper%is_spent()
-        if (sure) then
-            self = there
+        call go_to(self, t, y, sure)
+        if (sure) return
+        if (t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) .or. stepper%is_spent()) then
+            call go_to(self, t, y)
         else
             middle = self%t + (t - self%t) / 2
             stepper%counts%looks = stepper%counts%looks + 1
@@ -204,58 +242,14 @@ contains
         end if
     end subroutine walk_to
 
-    !> The follower at a later time and state.
-    subroutine try(self, t, y, there, sure)
-        type(follower_t), intent(in) :: self
-        real(dp), intent(in) :: t, y(max_states)
-        type(follower_t), intent(out) :: there
-        logical, intent(out) :: sure  !! whether the turns are certain
-        logical :: beside
-        there = self
-        there%t = t
-        there%y = y
-        sure = .true.
-        if (self%is_idle) return
-        call self%formulation%follow(self%t, self%y, t, y, there%angle, sure, beside)
-        if (is_at_pole(sure, beside, self%passed, self%reach(1))) then
-            call settle_angles(self%formulation%motion_without_angles(self%t, self%y), &
-                               self%formulation%motion_without_angles(t, y), self%angle, self%reach(1), there%passed, &
-                               there%angle, sure)
-        end if
-        ! Coordinates that are singular there keep their side of a pole. A plane motion passes through it.
-        if (self%formulation%attitude > 0 .and. self%reach(1) <= through_pole) then
-            call there%passed%watch(square_to_pole(y(self%formulation%attitude:self%formulation%attitude + 3)), self%error)
-        end if
-        if (self%formulation%body%given%differ) call try_given(self, there, sure)
-    end subroutine try
-
-    !> The same for the angles in the axes of the input.
-    subroutine try_given(self, there, sure)
-        type(follower_t), intent(in) :: self
-        type(follower_t), intent(inout) :: there
-        logical, intent(inout) :: sure
-        type(motion_t) :: last, next
-        logical :: also_sure
-        last = self%formulation%motion_without_angles(self%t, self%y)
-        last%given_angle = self%given_angle
-        last%given_passed = self%given_passed
-        next = self%formulation%motion_without_angles(there%t, there%y)
-        call self%formulation%body%given%follow(last, next, self%reach(2), also_sure, &
-                                           merge(self%error, 0.0_dp, self%reach(2) <= through_pole))
-        there%given_angle = next%given_angle
-        there%given_passed = next%given_passed
-        sure = sure .and. also_sure
-    end subroutine try_given
-
     !> The motion at the time of the follower.
     type(motion_t) function motion_of_follower(self) result(motion)
         type(follower_t), intent(in) :: self
-        motion = self%formulation%motion(self%t, self%y, self%angle)
+        motion = self%formulation%motion(self%t, self%y, self%near)
+        motion%given_angle = self%turns%last%angle
+        motion%passed = self%turns%last%passed
         ! In a pole the attitude does not tell phi and psi.
-        if (self%passed%arrived) motion%angle(1:3:2) = self%angle(1:3:2)
-        motion%given_angle = self%given_angle
-        motion%passed = self%passed
-        motion%given_passed = self%given_passed
+        if (motion%passed%arrived .and. .not. self%turns%axes%differ) motion%angle(1:3:2) = self%near(1:3:2)
     end function motion_of_follower
 
 end module spintop_step_path

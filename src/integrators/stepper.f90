@@ -4,14 +4,15 @@
 !> runs a copy; so one serves all threads.
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
+    use spintop_formulation, only: formulation_info_t, formulation_t, max_invariants, max_states, structure_none
     use spintop_kinds, only: dp, epsilon_dp
+    use spintop_lapack, only: dgelsy
     use spintop_motions, only: instants
-    use spintop_projection, only: project_nothing, projection_t
     use spintop_status, only: is_ok, status_non_finite
     implicit none
     private
     public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step, smallest_spacings, smallest_step
+    public :: projection_t, projection_names, project_nothing, project_unit, project_invariants
 
     !> The admissible errors, prepared for a run.
     type :: error_weight_t
@@ -23,9 +24,7 @@ module spintop_stepper
         real(dp) :: threshold(max_states) = 0
         !> Number of components in use.
         integer :: states = 0
-        logical, private :: cyclic(max_states) = .false.
     contains
-        procedure :: set
         procedure :: allowed
         procedure :: matlab_magnitude
     end type error_weight_t
@@ -37,6 +36,25 @@ module spintop_stepper
     real(dp), parameter :: smallest_spacings = 16
     !> So many evaluations of the motion within steps count as one step of `max_steps`.
     integer, parameter :: looks_per_step = 16
+
+    !> Kinds of projection onto the invariants of the motion: none, onto unit quaternions, onto all invariants. The drift of an
+    !> invariant is a measure of the quality of a computation, so nothing is projected without a request.
+    integer, parameter :: project_nothing = 0, project_unit = 1, project_invariants = 2
+    character(*), parameter :: projection_names(project_nothing:project_invariants) = &
+        [character(10) :: 'none', 'unit', 'invariants']
+
+    !> Maximum number of corrections in one projection.
+    integer, parameter :: most_corrections = 3
+
+    !> A projection of the states of one run.
+    type :: projection_t
+        integer :: kind = project_nothing
+        !> The invariants at the start.
+        real(dp) :: target(max_invariants) = 0
+    contains
+        procedure :: begin => begin_projection
+        procedure :: apply => project
+    end type projection_t
 
     !> Registry entry of a method.
     type :: method_info_t
@@ -89,7 +107,7 @@ module spintop_stepper
         integer(int64) :: max_steps = 1000000
         !> Solve implicit steps by fixed-point iteration instead of Newton's.
         logical :: fixed_point = .false.
-        !> Projection after each step: see `spintop_projection`.
+        !> Projection after each step.
         integer :: project = project_nothing
         !> Name of a Butcher table; blank for the default of the method.
         character(40) :: table = ''
@@ -183,29 +201,6 @@ module spintop_stepper
 
 contains
 
-    !> Prepares for a motion, for which the formulation has been prepared.
-    pure subroutine set(self, formulation, relative, absolute)
-        class(error_weight_t), intent(inout) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        real(dp), intent(in) :: relative, absolute !! tolerances
-        type(formulation_info_t) :: info
-
-        self%scale = formulation%scale
-        self%absolute = absolute * self%scale
-        self%relative = relative
-        self%cyclic = formulation%cyclic
-        where (self%cyclic)
-            self%absolute = (absolute + relative) * self%scale
-            self%relative = rounding
-        end where
-        info = formulation%info()
-        self%states = info%states
-        self%threshold = absolute / relative
-        ! The formulations of the paper have angles as a state, and no quaternion. For them MATLAB's rule has
-        ! its original meaning, in SI units.
-        if (info%quaternion > 0) self%threshold = self%threshold * self%scale
-    end subroutine set
-
     !> Admissible error of each component in a step between two states.
     pure function allowed(self, y, y_new)
         class(error_weight_t), intent(in) :: self
@@ -278,10 +273,23 @@ contains
         order = self%info%order
     end function order
 
-    !> Prepares the error control of the run for the tolerances.
-    pure subroutine set_weight(self)
+    !> Prepares the error control of the run for tolerances.
+    pure subroutine set_weight(self, relative, absolute)
         class(stepper_t), intent(inout) :: self
-        call self%weight%set(self%formulation, self%controls%relative_tolerance, self%controls%absolute_tolerance)
+        real(dp), intent(in) :: relative, absolute !! mostly those of the settings
+        type(formulation_info_t) :: info
+
+        info = self%formulation%info()
+        associate (weight => self%weight, cyclic => self%formulation%cyclic)
+            weight%states = info%states
+            weight%scale = self%formulation%scale
+            weight%absolute = merge(absolute + relative, absolute, cyclic) * weight%scale
+            weight%relative = merge(rounding, relative, cyclic)
+            weight%threshold = absolute / relative
+            ! The formulations of the paper have angles as a state, and no quaternion. For them MATLAB's rule has
+            ! its original meaning, in SI units.
+            if (info%quaternion > 0) weight%threshold = weight%threshold * weight%scale
+        end associate
     end subroutine set_weight
 
     !> Size of the smallest step at a time, exactly only if a step of size h might be smaller: `spacing` takes longer than the
@@ -358,5 +366,103 @@ contains
         self%grid = other%grid
         self%counts = other%counts
     end subroutine go_on_from
+
+    !> Stores the invariants of the start `y`.
+    pure subroutine begin_projection(self, kind, formulation, y)
+        class(projection_t), intent(inout) :: self
+        integer, intent(in) :: kind !! kind of projection
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(in) :: y(max_states) !! state at the start
+        self%kind = kind
+        if (kind == project_invariants) call formulation%invariants(y, self%target)
+    end subroutine begin_projection
+
+    !> Projects a state; `changed` reports whether it changed.
+    subroutine project(self, formulation, y, changed)
+        class(projection_t), intent(in) :: self
+        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
+        real(dp), intent(inout) :: y(max_states) !! state, before and after the projection
+        logical, intent(out) :: changed !! whether the state was changed
+        type(formulation_info_t) :: info
+
+        changed = self%kind /= project_nothing
+        if (.not. changed) return
+        info = formulation%info()
+        if (self%kind == project_unit) then
+            associate (quaternion => y(info%quaternion:info%quaternion + 3))
+                quaternion = quaternion / norm2(quaternion)
+            end associate
+        else
+            call restore_invariants(formulation, info, self%target, y)
+        end if
+    end subroutine project
+
+    !> The nearest state with the given invariants, by Newton's method, with each variable in units of its
+    !> scale. Each correction is the minimum-norm solution of the linearised conditions (Hairer, Lubich and
+    !> Wanner, Geometric Numerical Integration, IV.4). An invariant that is stationary at the state, such as
+    !> the energy of a sleeping top, is not a condition.
+    subroutine restore_invariants(formulation, info, wanted, y)
+        class(formulation_t), intent(in) :: formulation
+        type(formulation_info_t), intent(in) :: info
+        real(dp), intent(in) :: wanted(max_invariants)
+        real(dp), intent(inout) :: y(max_states)
+        !> Conditions that are linearly dependent to this tolerance are not independent: at an extremum of the
+        !> energy, for example.
+        real(dp), parameter :: dependent = 1.0e-6_dp
+        real(dp) :: values(max_invariants), matrix(max_invariants, max_states)
+        real(dp) :: correction(max_states), noise(max_invariants), row_norm, work(64)
+        integer :: iteration, i, columns(max_states), rank, failure
+
+        do iteration = 1, most_corrections
+            call formulation%invariants(y, values)
+            call find_gradients(formulation, info%states, y, matrix, noise)
+            correction(:max_invariants) = wanted - values
+            do i = 1, info%invariants
+                row_norm = norm2(matrix(i, :info%states))
+                if (row_norm <= noise(i)) then
+                    matrix(i, :) = 0
+                    correction(i) = 0
+                    cycle
+                end if
+                matrix(i, :) = matrix(i, :) / row_norm
+                correction(i) = correction(i) / row_norm
+            end do
+            columns = 0
+            call dgelsy(info%invariants, info%states, 1, matrix, max_invariants, correction, &
+                        max_states, columns, dependent, rank, work, size(work), failure)
+            if (failure /= 0) return
+            y(:info%states) = y(:info%states) + correction(:info%states) * formulation%scale(:info%states)
+            if (maxval(abs(correction(:info%states))) <= epsilon_dp) return
+        end do
+    end subroutine restore_invariants
+
+    !> Gradients of the invariants with respect to the variables in units of their scales, one per row, by
+    !> central differences; and a bound of the computed gradient of a stationary invariant, due to second
+    !> derivatives and rounding errors.
+    subroutine find_gradients(formulation, states, y, gradient, noise)
+        class(formulation_t), intent(in) :: formulation
+        integer, intent(in) :: states
+        real(dp), intent(in) :: y(max_states)
+        real(dp), intent(out) :: gradient(max_invariants, max_states)
+        real(dp), intent(out) :: noise(max_invariants)
+        real(dp) :: moved(max_states), shift
+        real(dp), dimension(max_invariants) :: here, above, below
+        integer :: j
+
+        gradient = 0
+        noise = 0
+        call formulation%invariants(y, here)
+        do j = 1, states
+            if (formulation%cyclic(j)) cycle
+            shift = epsilon_dp**(1.0_dp / 3)
+            moved = y
+            moved(j) = y(j) + shift * formulation%scale(j)
+            call formulation%invariants(moved, above)
+            moved(j) = y(j) - shift * formulation%scale(j)
+            call formulation%invariants(moved, below)
+            gradient(:, j) = (above - below) / (2 * shift)
+            noise = max(noise, (abs(above - 2 * here + below) + 8 * epsilon_dp * abs(here)) / (2 * shift))
+        end do
+    end subroutine find_gradients
 
 end module spintop_stepper

@@ -62,9 +62,11 @@ PROCEDURE(find_force_slopes, (degree, axes, arm, gravity, power, c, slope, first
           const double *arm, const double *gravity, const double *power, const double *c, double *slope, double *first)
 
 // lane_steps.h: lengths of the steps of motions in lanes, what is in them, and where they end.
-PROCEDURE(choose_durations, (order, absolute, relative, growth, safety, stretch, c, scale, t, t_end, h, duration, size),
-          int order, double absolute, double relative, double growth, double safety, double stretch, const double *c,
-          const double *scale, const double *t, const double *t_end, double *h, double *duration, double *size)
+PROCEDURE(choose_durations,
+          (order, absolute, relative, growth, safety, stretch, shortest, most, c, scale, t, t_end, steps, h, duration, trouble),
+          int order, double absolute, double relative, double growth, double safety, double stretch, double shortest,
+          int64_t most, const double *c, const double *scale, const double *t, const double *t_end, const int64_t *steps,
+          double *h, double *duration, int64_t *trouble)
 PROCEDURE(states_at, (order, c, t, states), int order, const double *c, const double *t, double *states)
 PROCEDURE(rates_at, (order, c, t, rates), int order, const double *c, const double *t, double *rates)
 PROCEDURE(add_steps, (order, c, duration, t_end, t_last, t, state, rest), int order, const double *c, const double *duration,

@@ -3,6 +3,8 @@
 // A kernel has a build for each level of the processor (processor.c): kernels_v2.c, kernels_v3.c and kernels_v4.c are tables of
 // them, of which kernels.c chooses one when the program starts.
 
+#include <stdint.h>
+
 // Numbers in a state and in a term of a series, what a stage sets aside, and the highest order, as in kernel_types.f90;
 // instants, as in motions.f90.
 enum { numbers = 8, half = numbers / 2, set_aside = 3 * half, highest_order = 30, most_terms = highest_order + 1 };

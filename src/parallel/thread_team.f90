@@ -290,16 +290,11 @@ contains
     subroutine end_on_signal(self, table)
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
-        logical :: is_due, is_busy
+        logical :: is_busy
 
         if (self%ranks%is_writer() .and. table%is_resumable) then
             do
-                !$omp critical (queue)
-                call self%queue%begin_write(is_due)
-                !$omp end critical (queue)
-                do while (is_due)
-                    call write_due(self, table, is_due)
-                end do
+                call write_due(self, table)
                 !$omp critical (queue)
                 table%entry_wanted = .true.
                 is_busy = self%queue%in_write .or. table%in_entry
@@ -319,48 +314,42 @@ contains
         class(row_table_t), intent(inout) :: table
         integer(int64), intent(inout) :: number
         type(row_block_t), intent(inout) :: rows
-        logical :: is_due
 
         !$omp critical (queue)
         call refuse_if_stopped(self%queue%error)
         if (number > 0) call self%queue%hand_in(number, rows)
-        call self%queue%begin_write(is_due)
         !$omp end critical (queue)
-        do while (is_due)
-            call write_due(self, table, is_due)
-        end do
+        call write_due(self, table)
         !$omp critical (queue)
         call self%queue%claim_next(number)
         !$omp end critical (queue)
     end subroutine exchange_block
 
-    !> Writes the next block, and the journal if it is due; `is_due` reports whether the block after it is due
-    !> too. Other threads wait only for the bookkeeping.
-    subroutine write_due(self, table, is_due)
+    !> Writes the blocks that are due, and the journal if it is due. Other threads wait only for the bookkeeping.
+    subroutine write_due(self, table)
         class(team_t), intent(inout) :: self
         class(row_table_t), intent(inout) :: table
-        logical, intent(out) :: is_due
         type(journal_entry_t) :: entry
         type(error_t), allocatable :: problem
         real(dp) :: moment
-        logical :: has_entry
+        logical :: is_due, has_entry
 
-        moment = seconds()
-        call self%queue%write_next(table, problem)
-        !$omp critical (queue)
-        call self%queue%end_write(problem)
-        call self%progress%update(table%rows())
-        call table%make_entry_if_due(entry, has_entry, self%queue%error)
-        if (.not. has_entry) call self%queue%begin_write(is_due)
-        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
-        !$omp end critical (queue)
-        if (.not. has_entry) return
-        moment = seconds()
-        call keep(self, table, entry)
-        !$omp critical (queue)
-        call self%queue%begin_write(is_due)
-        self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
-        !$omp end critical (queue)
+        do
+            !$omp critical (queue)
+            call self%queue%begin_write(is_due)
+            !$omp end critical (queue)
+            if (.not. is_due) exit
+            moment = seconds()
+            call self%queue%write_next(table, problem)
+            !$omp critical (queue)
+            call self%queue%end_write(problem)
+            call self%progress%update(table%rows())
+            call table%make_entry_if_due(entry, has_entry, self%queue%error)
+            !$omp end critical (queue)
+            if (has_entry) call keep(self, table, entry)
+            !$omp atomic
+            self%costs(work_of_writing) = self%costs(work_of_writing) + (seconds() - moment)
+        end do
     end subroutine write_due
 
     !> The team for a reader, where it is the writer's: `2 threads`, `4 ranks x 2 threads`, or `2 ranks, 24 threads` where they

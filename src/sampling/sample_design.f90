@@ -2,7 +2,7 @@
 !> alone. Distributions make values of its coordinates.
 !>
 !>     call design%start(design_sobol, cases, seed, dimensions)
-!>     call design%find_fractions(number, fractions)      ! for each case, from 1
+!>     call design%find_block(first, fractions)      ! for consecutive cases, from 1
 module spintop_sample_design
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_kinds, only: dp
@@ -55,7 +55,6 @@ module spintop_sample_design
         type(sobol_sequence_t), private :: sequence
     contains
         procedure :: start
-        procedure :: find_fractions
         procedure :: find_block
     end type sample_design_t
 
@@ -100,52 +99,40 @@ contains
         end select
     end subroutine start
 
-    !> The point of a case, inside the unit cube.
-    pure subroutine find_fractions(self, number, fractions)
-        class(sample_design_t), intent(in) :: self
-        integer(int64), intent(in) :: number !! number of the case, from 1
-        real(dp), intent(out) :: fractions(:) !! one coordinate for each dimension
-        type(saltelli_place_t) :: place_in_design
-        integer(int64) :: i
-        real(dp) :: place, base(2 * self%dimensions)
-
-        select case (self%kind)
-        case (design_latin_hypercube)
-            do i = 1, self%dimensions
-                place = self%place_in_stratum(i)
-                if (place < 0) place = uniform(self%seed, number, 2 * i)
-                fractions(i) = (self%strata(i)%place(number - 1) + place) / self%cases
-            end do
-        case (design_sobol)
-            call self%sequence%find_point(number, fractions)
-        case (design_saltelli)
-            place_in_design = place_in_saltelli(number, self%factors)
-            call self%sequence%find_point(place_in_design%base, base)
-            fractions = base(:self%dimensions)
-            where (place_in_design%role == 2 .or. self%factor == place_in_design%role - 2) fractions = base(self%dimensions + 1:)
-        case default
-            do i = 1, self%dimensions
-                fractions(i) = uniform(self%seed, number, 2 * i)
-            end do
-        end select
-    end subroutine find_fractions
-
-    !> The points of consecutive cases.
+    !> The points of consecutive cases, inside the unit cube.
     pure subroutine find_block(self, first, fractions)
         class(sample_design_t), intent(in) :: self
         integer(int64), intent(in) :: first !! number of the first case, from 1
         real(dp), intent(out) :: fractions(:, :) !! of each case: one coordinate for each dimension
+        type(saltelli_place_t) :: place_in_design
+        real(dp) :: base(2 * self%dimensions)
         integer(int64) :: i
+        integer :: k
 
-        if (self%kind == design_random) then
+        select case (self%kind)
+        case (design_sobol)
+            do k = 1, size(fractions, 2)
+                call self%sequence%find_point(first + k - 1, fractions(:, k))
+            end do
+        case (design_saltelli)
+            do k = 1, size(fractions, 2)
+                place_in_design = place_in_saltelli(first + k - 1, self%factors)
+                call self%sequence%find_point(place_in_design%base, base)
+                associate (is_of_second => place_in_design%role == 2 .or. self%factor == place_in_design%role - 2)
+                    fractions(:, k) = merge(base(self%dimensions + 1:), base(:self%dimensions), is_of_second)
+                end associate
+            end do
+        case default
             do i = 1, self%dimensions
                 call uniforms(self%seed, first, 2 * i, fractions(i, :))
+                if (self%kind == design_random) cycle
+                ! The number of a random point is the place in its stratum, unless all have the same.
+                if (self%place_in_stratum(i) >= 0) fractions(i, :) = self%place_in_stratum(i)
+                do k = 1, size(fractions, 2)
+                    fractions(i, k) = (self%strata(i)%place(first + k - 2) + fractions(i, k)) / self%cases
+                end do
             end do
-        else
-            do i = 1, size(fractions, 2)
-                call self%find_fractions(first + i - 1, fractions(:, i))
-            end do
-        end if
+        end select
     end subroutine find_block
 
     !> The place of a case in the design of Saltelli.

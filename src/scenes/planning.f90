@@ -9,15 +9,13 @@ module spintop_planning
     use spintop_formulation, only: formulation_info_t, structure_names, structure_split, formulation_t
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_kinds, only: dp
-    use spintop_methods, only: exact_info, create_stepper
+    use spintop_methods, only: can_run, create_stepper, exact_info, has_structure, holds_for, passes_turns, projection_status
     use spintop_own_butcher_tables, only: create_method
     use spintop_parameters, only: is_set, unset_integer
     use spintop_problems, only: problems_t
-    use spintop_projection, only: projection_names, project_nothing, project_unit
     use spintop_scene_keys, only: scene_t
     use spintop_status, only: is_ok, status_meaning
-    use spintop_stepper, only: stepper_t, controls_t
-    use spintop_suitability, only: can_run, has_structure, holds_for, passes_turns, projection_status
+    use spintop_stepper, only: controls_t, project_nothing, project_unit, projection_names, stepper_t
     use spintop_text, only: to_text, join, did_you_mean, lower_case, string_t
     implicit none
     private

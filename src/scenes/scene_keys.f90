@@ -15,7 +15,7 @@ module spintop_scene_keys
     use spintop_parameters, only: parameter_table_t, unset, unset_integer, any_elements, leading_elements, &
         is_set, one_per_group
     use spintop_parts, only: describe_parts, parts_t
-    use spintop_projection, only: projection_names, project_nothing
+    use spintop_stepper, only: projection_names, project_nothing
     use spintop_shapes, only: shape_infos, shape_by_inertia
     use spintop_table_column, only: column_length
     use spintop_tableau, only: tableau_t

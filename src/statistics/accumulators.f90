@@ -13,7 +13,7 @@ module spintop_accumulators
     use spintop_value_counts, only: value_counts_t
     implicit none
     private
-    public :: accumulators_t, moments_t, summary_of_column_t
+    public :: accumulators_t, moments_t
     public :: bins_t, even_bins, bins_around, place_among
 
     !> Bins of one quantity: neighbouring intervals between edges. Bin i holds the values from edge(i) to below edge(i+1); the
@@ -42,15 +42,8 @@ module spintop_accumulators
     contains
         procedure :: add => add_values
         procedure :: merge_with => merge_moments
-        procedure :: summary
+        procedure :: mean_and_deviation
     end type moments_t
-
-    !> What follows; NaN for what does not exist.
-    type :: summary_of_column_t
-        integer(int64) :: count
-        real(dp) :: mean, deviation, minimum, maximum
-        integer(int64) :: case_of_minimum, case_of_maximum
-    end type summary_of_column_t
 
     !> The statistics of columns of numbers and columns of words.
     type :: accumulators_t
@@ -74,7 +67,7 @@ module spintop_accumulators
         procedure :: add
         procedure :: merge_with
         procedure :: store_or_restore
-        procedure :: over_all
+        procedure :: moments_of
         procedure :: quantiles
         procedure :: counts_over_all
     end type accumulators_t
@@ -190,15 +183,16 @@ contains
         if (self%groups%factors > 0) call self%groups%store_or_restore(stream)
     end subroutine store_or_restore
 
-    !> The moments of a column over all cases, those in no bin, too.
-    pure type(moments_t) function over_all(self, column) result(all)
+    !> The moments of a column in a bin, or, for bin 0, over all cases, those in no bin, too.
+    pure type(moments_t) function moments_of(self, column, bin) result(moments)
         class(accumulators_t), intent(in) :: self
-        integer, intent(in) :: column !! number of the column
-        integer(int64) :: bin
-        do bin = 1, self%bin_count + 1
-            call all%merge_with(self%moments(column, bin))
+        integer, intent(in) :: column     !! number of the column
+        integer(int64), intent(in) :: bin !! number of the bin, or 0
+        integer(int64) :: i
+        do i = max(bin, 1_int64), merge(self%bin_count + 1, bin, bin == 0)
+            call moments%merge_with(self%moments(column, i))
         end do
-    end function over_all
+    end function moments_of
 
     !> Quantiles of a column in a bin, or, for bin 0, over all cases; NaN where they are not gathered.
     subroutine quantiles(self, column, bin, shares, values)
@@ -210,17 +204,17 @@ contains
         type(value_counts_t) :: counts
         type(moments_t) :: moments
 
+        values = no_number
         if (bin == 0) then
-            moments = self%over_all(column)
             call self%counts_over_all(column, counts)
             call counts%quantiles(1_int64, shares, values)
-        else
-            values = no_number
-            if (.not. self%by_bin) return
-            moments = self%moments(column, bin)
+        else if (self%by_bin) then
             call self%sizes(column)%quantiles(bin, shares, values)
+        else
+            return
         end if
         ! A cell may reach beyond the extremes, which are exact.
+        moments = self%moments_of(column, bin)
         if (moments%count > 0) values = min(max(values, moments%minimum), moments%maximum)
     end subroutine quantiles
 
@@ -276,26 +270,23 @@ contains
         end if
     end subroutine update_extremes
 
-    !> Mean, standard deviation (of a sample: over n - 1) and extremes. Sum and sum of squares are exact to
-    !> 2^-84, so that their difference keeps six digits of a deviation that is 1e-9 of the mean.
-    pure type(summary_of_column_t) function summary(self)
+    !> The mean, and the standard deviation of a sample, over n - 1; NaN where they do not exist. Sum and sum of squares are
+    !> exact to 2^-84, so that their difference keeps six digits of a deviation that is 1e-9 of the mean.
+    pure function mean_and_deviation(self) result(found)
         class(moments_t), intent(in) :: self
+        real(dp) :: found(2)
         real(qp) :: n, total, variance
 
-        summary = summary_of_column_t(self%count, no_number, no_number, no_number, no_number, 0_int64, 0_int64)
+        found = no_number
         if (self%count == 0) return
         n = self%count
         total = self%values%total()
-        summary%mean = real(total / n, dp)
-        summary%minimum = self%minimum
-        summary%maximum = self%maximum
-        summary%case_of_minimum = self%case_of_minimum
-        summary%case_of_maximum = self%case_of_maximum
+        found(1) = real(total / n, dp)
         if (self%count == 1) return
         variance = (self%squares%total() - total * (total / n)) / (n - 1)
-        summary%deviation = 0
-        if (self%maximum > self%minimum) summary%deviation = real(sqrt(max(variance, 0.0_qp)), dp)
-    end function summary
+        found(2) = 0
+        if (self%maximum > self%minimum) found(2) = real(sqrt(max(variance, 0.0_qp)), dp)
+    end function mean_and_deviation
 
     !> So many bins of equal width, or of equal ratio of their edges.
     function even_bins(from, to, count, is_log) result(bins)

@@ -24,6 +24,8 @@ module spintop_sobol_indices
     !> for an interval of 95 %.
     integer, parameter :: parts = 16
     real(dp), parameter :: student = 2.131449545559323_dp
+    !> Places of the sums of a part; after the last of these come those of the factors.
+    integer, parameter :: of_values = 1, of_squares = 2, of_factors = 2
     !> The largest value whose difference from another is finite.
     real(dp), parameter :: largest_value = huge(1.0_dp) / 2
 
@@ -32,9 +34,8 @@ module spintop_sobol_indices
         integer :: factors = 0
         !> Groups of the design; those added to each part; those of which a value is missing.
         integer(int64) :: groups = 0, added(parts) = 0, left_out = 0
-        !> Sums of the values A and B and of their squares; sums of (B - C)^2 and (A - C)^2 by factor and part.
-        type(exact_sum_t) :: values(parts), squares(parts)
-        type(exact_sum_t), allocatable :: first(:, :), total(:, :)
+        !> Sums of each part: of the values A and B, and of their squares; of (B - C)^2 of each factor, and of (A - C)^2.
+        type(exact_sum_t), allocatable :: sums(:, :)
     contains
         procedure :: start
         procedure :: add
@@ -91,7 +92,7 @@ contains
         integer(int64), intent(in) :: groups !! number of base points of the design
         self%factors = factors
         self%groups = groups
-        allocate (self%first(factors, parts), self%total(factors, parts))
+        allocate (self%sums(of_factors + 2 * factors, parts))
     end subroutine start
 
     !> Adds the values of a group. A group with a value that is not finite, or so large that differences overflow, is
@@ -108,14 +109,16 @@ contains
         end if
         part = int((base - 1) / max(1_int64, (self%groups + parts - 1) / parts)) + 1
         self%added(part) = self%added(part) + 1
-        do i = 1, 2
-            call self%values(part)%add(values(i))
-            call self%squares(part)%add_square(values(i))
-        end do
-        do i = 1, self%factors
-            call self%first(i, part)%add_square(values(2) - values(2 + i))
-            call self%total(i, part)%add_square(values(1) - values(2 + i))
-        end do
+        associate (sums => self%sums(:, part))
+            do i = 1, 2
+                call sums(of_values)%add(values(i))
+                call sums(of_squares)%add_square(values(i))
+            end do
+            do i = 1, self%factors
+                call sums(of_factors + i)%add_square(values(2) - values(2 + i))
+                call sums(of_factors + self%factors + i)%add_square(values(1) - values(2 + i))
+            end do
+        end associate
     end subroutine add
 
     !> Adds the groups of another object that was started alike.
@@ -124,10 +127,7 @@ contains
         type(sobol_indices_t), intent(in) :: other !! sums over other groups of the same design
         self%added = self%added + other%added
         self%left_out = self%left_out + other%left_out
-        call self%values%merge_with(other%values)
-        call self%squares%merge_with(other%squares)
-        call self%first%merge_with(other%first)
-        call self%total%merge_with(other%total)
+        call self%sums%merge_with(other%sums)
     end subroutine merge_with
 
     !> The indices of a factor.
@@ -163,21 +163,16 @@ contains
     !> How many numbers of 64 bits the sums are.
     pure integer function packed_size(self)
         class(sobol_indices_t), intent(in) :: self
-        packed_size = parts + 1 + (2 + 2 * self%factors) * parts * (storage_size(self%values) / storage_size(0_int64))
+        packed_size = parts + 1 + (of_factors + 2 * self%factors) * parts * (storage_size(self%sums) / storage_size(0_int64))
     end function packed_size
 
     !> Carries all sums.
     subroutine store_or_restore(self, stream)
         class(sobol_indices_t), target, intent(inout) :: self !! started alike if they are read
         type(state_stream_t), intent(inout) :: stream !! a file
-        integer(int64) :: bytes
-        bytes = storage_size(self%values) / 8
         call stream%carry_numbers(parts, self%added)
         call stream%carry_memory(c_loc(self%left_out), storage_size(self%left_out) / 8_int64)
-        call stream%carry_memory(c_loc(self%values(1)), bytes * parts)
-        call stream%carry_memory(c_loc(self%squares(1)), bytes * parts)
-        call stream%carry_memory(c_loc(self%first(1, 1)), bytes * size(self%first))
-        call stream%carry_memory(c_loc(self%total(1, 1)), bytes * size(self%total))
+        call stream%carry_memory(c_loc(self%sums(1, 1)), size(self%sums) * (storage_size(self%sums) / 8_int64))
     end subroutine store_or_restore
 
     !> The first-order and the total index from some of the parts.
@@ -198,9 +193,11 @@ contains
         squares = 0
         do part = 1, parts
             if (.not. taken(part)) cycle
-            mean = mean + self%values(part)%total()
-            variance = variance + self%squares(part)%total()
-            squares = squares + [self%first(factor, part)%total(), self%total(factor, part)%total()]
+            associate (sums => self%sums(:, part), first => of_factors + factor)
+                mean = mean + sums(of_values)%total()
+                variance = variance + sums(of_squares)%total()
+                squares = squares + [sums(first)%total(), sums(first + self%factors)%total()]
+            end associate
         end do
         mean = mean / (2 * groups)
         variance = variance / (2 * groups) - mean**2

@@ -3,7 +3,7 @@
 !> which may be larger than an integer there, are reals.
 module spintop_statistics_output
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_accumulators, only: accumulators_t, moments_t, summary_of_column_t
+    use spintop_accumulators, only: accumulators_t, moments_t
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp, no_number
     use spintop_netcdf_grid, only: netcdf_axis_t
@@ -20,7 +20,7 @@ module spintop_statistics_output
     implicit none
     private
     public :: path_beside, write_statistics_tables, check_statistics_tables, result_columns, columns_before, bytes_of_result
-    public :: histogram_t, make_histogram, most_intervals
+    public :: find_intervals, most_intervals
 
     !> Columns of a binned quantity (value, and ends of the bin), columns of counts of a bin, and columns of a
     !> column of numbers beside its quantiles.
@@ -33,16 +33,8 @@ module spintop_statistics_output
     !> The end of the name of a table of statistics, before that of its format.
     character(*), parameter :: ending = '.statistics'
 
-    !> Maximum number of intervals.
+    !> Maximum number of intervals of a histogram.
     integer, parameter :: most_intervals = 100
-
-    !> A histogram of the values of a column: neighbouring intervals of nearly equal widths, from the minimum to the maximum,
-    !> whose ends are ends of the cells in which the values were counted, so that the numbers of values are exact.
-    type :: histogram_t
-        real(dp), allocatable :: from(:), to(:)
-        !> Values in each interval.
-        integer(int64), allocatable :: counts(:)
-    end type histogram_t
 
 contains
 
@@ -153,8 +145,7 @@ contains
         type(table_column_t), intent(out) :: columns(cells_of_interval)
         real(dp), allocatable, intent(out) :: rows(:, :)
         real(dp) :: all(cells_of_interval, most_intervals * size(plan%numbers))
-        type(histogram_t) :: histogram
-        integer :: i, k, n
+        integer :: i, n, more
 
         columns = [table_column_t('column', '', 'the column of the sweep'), &
                    table_column_t('from', '', 'lower end of an interval, in the unit of the column'), &
@@ -163,11 +154,9 @@ contains
         call columns(1)%set_words(plan%numbers%name)
         n = 0
         do i = 1, size(plan%numbers)
-            call make_histogram(accumulators, i, histogram)
-            do k = 1, size(histogram%counts)
-                n = n + 1
-                all(:, n) = [real(i - 1, dp), histogram%from(k), histogram%to(k), real(histogram%counts(k), dp)]
-            end do
+            call find_intervals(accumulators, i, all(2:, n + 1:), more)
+            all(1, n + 1:n + more) = i - 1
+            n = n + more
         end do
         rows = all(:, :n)
     end subroutine make_histograms
@@ -292,10 +281,12 @@ contains
         integer(int64), intent(in) :: bin !! number of the bin, or 0
         real(dp), intent(out) :: cells(:) !! as many as there are columns
         type(moments_t) :: moments
-        type(summary_of_column_t) :: summary
-        integer(int64) :: words(plan%word_count()), rest
+        real(dp) :: extremes(2)
+        integer(int64) :: words(plan%word_count()), rest, from, to
         integer :: i, n, place
 
+        from = max(bin, 1_int64)
+        to = merge(size(accumulators%cases, kind=int64), bin, bin == 0)
         cells(1) = real(bin, dp)
         n = 1
         rest = bin - 1
@@ -311,23 +302,14 @@ contains
             end associate
             n = n + columns_of_over
         end do
-        if (bin == 0) then
-            cells(n + 1:n + 2) = real([sum(accumulators%cases), sum(accumulators%failed)], dp)
-            words = sum(accumulators%words, dim=2)
-        else
-            cells(n + 1:n + 2) = real([accumulators%cases(bin), accumulators%failed(bin)], dp)
-            words = accumulators%words(:, bin)
-        end if
+        cells(n + 1:n + 2) = real([sum(accumulators%cases(from:to)), sum(accumulators%failed(from:to))], dp)
+        words = sum(accumulators%words(:, from:to), dim=2)
         n = n + columns_of_cases
         do i = 1, size(plan%numbers)
-            if (bin == 0) then
-                moments = accumulators%over_all(i)
-            else
-                moments = accumulators%moments(i, bin)
-            end if
-            summary = moments%summary()
-            cells(n + 1:n + columns_of_number) = [real(summary%count, dp), summary%mean, summary%deviation, &
-                summary%minimum, real(summary%case_of_minimum, dp), summary%maximum, real(summary%case_of_maximum, dp)]
+            moments = accumulators%moments_of(i, bin)
+            extremes = merge([moments%minimum, moments%maximum], no_number, moments%count > 0)
+            cells(n + 1:n + columns_of_number) = [real(moments%count, dp), moments%mean_and_deviation(), &
+                extremes(1), real(moments%case_of_minimum, dp), extremes(2), real(moments%case_of_maximum, dp)]
             n = n + columns_of_number
             call accumulators%quantiles(i, bin, plan%shares, cells(n + 1:n + size(plan%shares)))
             n = n + size(plan%shares)
@@ -347,40 +329,37 @@ contains
         bytes = cells * merge(bytes_of_double, bytes_of_text, plan%is_netcdf)
     end function bytes_of_result
 
-    !> The histogram of a column over all cases; without intervals if no case has a value.
-    subroutine make_histogram(accumulators, column, histogram)
+    !> The histogram of a column over all cases: neighbouring intervals of nearly equal widths, from the minimum to the maximum,
+    !> whose ends are ends of the cells in which the values were counted, so that the numbers of values are exact.
+    subroutine find_intervals(accumulators, column, intervals, found)
         type(accumulators_t), intent(in) :: accumulators !! the statistics
         integer, intent(in) :: column !! number of the column of numbers
-        type(histogram_t), intent(out) :: histogram !! at most `most_intervals` intervals
+        real(dp), intent(inout) :: intervals(:, :) !! of each its ends, and the number of values in it; at least `most_intervals`
+        integer, intent(out) :: found !! number of intervals; 0 if no case has a value
         type(value_counts_t) :: cells
         type(moments_t) :: all
         real(dp), allocatable :: lower(:), upper(:)
         integer(int64), allocatable :: counts(:)
-        integer :: i, k, here
+        integer :: i, here
 
         call accumulators%counts_over_all(column, cells)
-        call cells%list_cells(lower, upper, counts)
-        all = accumulators%over_all(column)
-        allocate (histogram%from(most_intervals), histogram%to(most_intervals))
-        allocate (histogram%counts(most_intervals), source=0_int64)
-        k = 0
+        call cells%list_cells(1_int64, lower, upper, counts)
+        all = accumulators%moments_of(column, 0_int64)
+        found = 0
         here = 0
         do i = 1, size(counts)
             ! A cell belongs to the interval in which its lower end lies.
-            if (k == 0 .or. interval(lower(i)) > here) then
+            if (found == 0 .or. interval(lower(i)) > here) then
                 here = interval(lower(i))
-                k = k + 1
-                histogram%from(k) = lower(i)
+                found = found + 1
+                intervals(:, found) = [lower(i), 0.0_dp, 0.0_dp]
             end if
-            histogram%to(k) = upper(i)
-            histogram%counts(k) = histogram%counts(k) + counts(i)
+            intervals(2, found) = upper(i)
+            intervals(3, found) = intervals(3, found) + counts(i)
         end do
-        histogram%from = histogram%from(:k)
-        histogram%to = histogram%to(:k)
-        histogram%counts = histogram%counts(:k)
-        if (k == 0) return
-        histogram%from(1) = all%minimum
-        histogram%to(k) = all%maximum
+        if (found == 0) return
+        intervals(1, 1) = all%minimum
+        intervals(2, found) = all%maximum
 
     contains
 
@@ -393,6 +372,6 @@ contains
             interval = min(max(int(share * most_intervals) + 1, 1), most_intervals)
         end function interval
 
-    end subroutine make_histogram
+    end subroutine find_intervals
 
 end module spintop_statistics_output

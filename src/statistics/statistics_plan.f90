@@ -139,10 +139,8 @@ contains
         call stream%carry_memory(c_loc(self%groups), storage_size(self%groups) / 8_int64)
         if (.not. stream%is_read .or. allocated(stream%error)) return
         self%is_wanted = .true.
-        is_valid = size(self%over) <= most_over
-        do i = 1, size(self%over)
-            if (is_valid) is_valid = size(self%over(i)%bins%edge) == size(self%over(i)%bins%value) + 1
-        end do
+        is_valid = size(self%over) <= most_over .and. &
+                   all([(size(self%over(i)%bins%edge) == size(self%over(i)%bins%value) + 1, i=1, size(self%over))])
         if (is_valid .and. size(self%factors) > 0) then
             is_valid = self%has_indices() .and. self%groups >= 1 .and. self%groups <= most_groups
         end if

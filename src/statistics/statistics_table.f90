@@ -312,21 +312,27 @@ contains
     !> Whether a file is one of these; false as well if it cannot be read.
     logical function is_statistics(path)
         character(*), intent(in) :: path !! path of the file
-        type(input_file_t) :: file
-        type(error_t), allocatable :: error
-        character(:), allocatable :: head, line
-        integer :: length
-
-        is_statistics = .false.
-        call read_head(path, head, error)
-        if (allocated(error)) return
-        allocate (character(len(head) + len(first_line)) :: line)
-        call file%open(path, error)
-        if (.not. allocated(error)) call file%read(line, length, error)
-        call file%close()
-        if (allocated(error)) return
-        is_statistics = line(len(head) + 1:length) == first_line
+        type(state_stream_t) :: stream
+        call open_state(stream, path)
+        is_statistics = .not. allocated(stream%error)
+        call stream%input%close()
     end function is_statistics
+
+    !> Opens a file, and reads it to the end of the first line of the statistics. An error if there is none.
+    subroutine open_state(stream, path)
+        type(state_stream_t), intent(inout) :: stream
+        character(*), intent(in) :: path
+        character(:), allocatable :: head
+        character(len(first_line)) :: line
+        integer :: length
+        call read_head(path, head, stream%error)
+        if (allocated(stream%error)) return
+        stream%is_read = .true.
+        call stream%input%open(path, stream%error)
+        if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
+        call stream%carry_text(line)
+        if (line /= first_line) call stream%refuse()
+    end subroutine open_state
 
     !> Reads a file. An error if it is not whole.
     subroutine read_statistics(path, plan, accumulators, checksum, error)
@@ -336,19 +342,10 @@ contains
         character(checksum_width), intent(out) :: checksum !! of all after the header
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(state_stream_t) :: stream
-        character(:), allocatable :: head
-        character(len(first_line)) :: line
         character(checksum_width + len(nl)) :: last
-        integer :: length
 
         checksum = ''
-        call read_head(path, head, error)
-        if (allocated(error)) return
-        stream%is_read = .true.
-        call stream%input%open(path, stream%error)
-        if (.not. allocated(stream%error)) call stream%input%read(head, length, stream%error)
-        call stream%carry_text(line)
-        if (line /= first_line) call stream%refuse()
+        call open_state(stream, path)
         if (.not. allocated(stream%error)) call plan%carry(stream)
         if (.not. allocated(stream%error)) then
             ! A damaged number of bins must not ask for memory without end.

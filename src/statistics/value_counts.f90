@@ -117,29 +117,33 @@ contains
         end do
     end subroutine merge_with
 
-    !> The cells of bin 1 that have values, in the order of these.
-    subroutine list_cells(self, lower, upper, counts)
+    !> The cells of a bin that have values, in the order of these.
+    subroutine list_cells(self, bin, lower, upper, counts)
         class(value_counts_t), intent(in) :: self
+        integer(int64), intent(in) :: bin !! number of the bin, from 1
         real(dp), allocatable, intent(out) :: lower(:), upper(:) !! the ends of each cell, lower <= upper
         integer(int64), allocatable, intent(out) :: counts(:)    !! values in each cell
-        integer :: i, n, page, cell, found
+        real(dp) :: ends(2)
+        integer :: i, n, page, cell
 
-        found = count(self%counts(:, :self%pages) > 0)
-        allocate (lower(found), upper(found), counts(found))
         n = 0
-        page = self%first_of(1)
+        page = self%first_of(bin)
+        do while (page > 0)
+            n = n + count(self%counts(:, page) > 0)
+            page = self%next_of(page)
+        end do
+        allocate (lower(n), upper(n), counts(n))
+        n = 0
+        page = self%first_of(bin)
         do while (page > 0)
             do i = 1, size(self%counts, 1)
                 cell = cell_in_order(self, i, page)
                 if (self%counts(cell, page) == 0) cycle
                 n = n + 1
                 counts(n) = self%counts(cell, page)
-                lower(n) = end_of_cell(self%exponent_of(page), cell - 1, self%bits)
-                upper(n) = end_of_cell(self%exponent_of(page), cell, self%bits)
-                if (lower(n) > upper(n)) then
-                    lower(n) = upper(n)
-                    upper(n) = end_of_cell(self%exponent_of(page), cell - 1, self%bits)
-                end if
+                ends = [end_of_cell(self, page, cell - 1), end_of_cell(self, page, cell)]
+                lower(n) = minval(ends)
+                upper(n) = maxval(ends)
             end do
             page = self%next_of(page)
         end do
@@ -152,31 +156,21 @@ contains
         integer(int64), intent(in) :: bin !! number of the bin, from 1
         real(dp), intent(in) :: shares(:)   !! p, in [0, 1]
         real(dp), intent(out) :: values(:)  !! the quantiles, one for each share
+        real(dp), allocatable :: lower(:), upper(:)
+        integer(int64), allocatable :: counts(:)
         integer(int64) :: ranks(size(shares)), below
-        integer :: i, page, cell
+        real(dp) :: middle
+        integer :: i
 
+        call self%list_cells(bin, lower, upper, counts)
         values = no_number
+        ranks = max(ceiling(shares * real(sum(counts), dp), int64), 1_int64)
         below = 0
-        page = self%first_of(bin)
-        do while (page > 0)
-            below = below + sum(self%counts(:, page))
-            page = self%next_of(page)
-        end do
-        ranks = max(ceiling(shares * real(below, dp), int64), 1_int64)
-        below = 0
-        page = self%first_of(bin)
-        do while (page > 0)
-            do i = 1, size(self%counts, 1)
-                cell = cell_in_order(self, i, page)
-                associate (here => self%counts(cell, page))
-                    if (here == 0) cycle
-                    where (ranks > below .and. ranks <= below + here)
-                        values = middle(self%exponent_of(page), cell, self%bits)
-                    end where
-                    below = below + here
-                end associate
-            end do
-            page = self%next_of(page)
+        do i = 1, size(counts)
+            middle = 0 ! that of the cell of zero
+            if (abs(lower(i)) > 0) middle = lower(i) / 2 + upper(i) / 2
+            where (ranks > below .and. ranks <= below + counts(i)) values = middle
+            below = below + counts(i)
         end do
     end subroutine quantiles
 
@@ -193,22 +187,14 @@ contains
         order = merge(exponents - 1 - exponent, exponents / 2 + exponent, exponent >= exponents / 2)
     end function order
 
-    !> The middle of a cell. That of the cell of zero is zero.
-    pure elemental real(dp) function middle(exponent, cell, bits)
-        integer, intent(in) :: exponent, cell, bits
-        integer(int64) :: word
-        word = ior(shiftl(int(exponent, int64), significand_bits), &
-                   shiftl(int(cell - 1, int64), significand_bits - bits))
-        if (word /= 0) word = ior(word, shiftl(1_int64, significand_bits - bits - 1))
-        middle = transfer(word, middle)
-    end function middle
-
-    !> Where a cell ends that is the last of so many with its sign and exponent.
-    pure real(dp) function end_of_cell(exponent, cell, bits) result(value)
-        integer, intent(in) :: exponent, cell, bits
+    !> Where a cell ends that is the last of so many of a page.
+    pure real(dp) function end_of_cell(self, page, cell) result(value)
+        class(value_counts_t), intent(in) :: self
+        integer, intent(in) :: page, cell
         integer(int64) :: word
         ! After the last cell of an exponent comes the first of the next one.
-        word = shiftl(int(exponent, int64), significand_bits) + shiftl(int(cell, int64), significand_bits - bits)
+        word = shiftl(int(self%exponent_of(page), int64), significand_bits) + &
+               shiftl(int(cell, int64), significand_bits - self%bits)
         value = transfer(word, value)
         if (.not. abs(value) <= huge(value)) value = sign(huge(value), value)
     end function end_of_cell

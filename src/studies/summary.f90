@@ -6,7 +6,7 @@ module spintop_summary
     use spintop_case, only: case_t
     use spintop_free_motion, only: free_motion_t, prepare_free_motion
     use spintop_motion, only: motion_t
-    use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meaning
+    use spintop_nutation, only: nutation_t, find_nutation, class_name, class_meanings
     use spintop_planning, only: plan_t
     use spintop_quantities, only: kinetic_energy, potential_energy, vertical_momentum
     use spintop_steady_motion, only: critical_omega3, fast_top_t, fast_top
@@ -171,7 +171,7 @@ contains
                     // decimal(nutation%precession / degree) // ' deg and spin ' &
                     // decimal(nutation%spin / degree) // ' deg per nutation')
             else
-                call self%add('nutation', 'none: ' // class_meaning(nutation%class))
+                call self%add('nutation', 'none: ' // trim(class_meanings(nutation%class)))
             end if
             if (.not. body%mgl() > 0) return
             ! The threshold of a sleeping top, and the spin about its axis, in the axes of the input.

@@ -1,13 +1,8 @@
-!> The axes in which a body was given, as seen from those of the computation, and the turns of phi and psi in them.
-!>
-!> The angles of two sets of body axes turn differently: where the axis of one set circles about the vertical that of
-!> the other may not. So the turns in the given axes are counted along the motion, beside those of the computation.
+!> The axes in which a body was given, as seen from those of the computation.
 module spintop_given_axes
-    use spintop_attitude, only: angles_from_quaternion, conjugate_quaternion, quaternion_product, square_to_pole, to_space, &
-        vertical_from_quaternion
+    use spintop_attitude, only: conjugate_quaternion, quaternion_product, to_space, vertical_from_quaternion
     use spintop_kinds, only: dp, cross
     use spintop_motion, only: motion_t
-    use spintop_pole_passages, only: follow_motion
     implicit none
     private
     public :: given_axes_t, about_z, unshifted
@@ -21,7 +16,6 @@ module spintop_given_axes
         real(dp) :: p(4) = [1, 0, 0, 0], phi_shift = 0, psi_shift = 0
     contains
         procedure :: seen
-        procedure :: follow
     end type given_axes_t
 
 contains
@@ -35,34 +29,6 @@ contains
         seen%omega = to_space(conjugate_quaternion(self%p), seen%omega)
         seen%omega_rate = to_space(conjugate_quaternion(self%p), seen%omega_rate)
     end function seen
-
-    !> Gives the given angles of `next` the turns of those of `last`, and those in between. They are not sure if the body may
-    !> rotate so far in between that its attitudes do not tell, or if its axis may meet a pole.
-    pure subroutine follow(self, last, next, reach, sure, error)
-        class(given_axes_t), intent(in) :: self
-        type(motion_t), intent(in) :: last !! an instant of the motion
-        type(motion_t), intent(inout) :: next !! another one; `given_angle` and `given_passed` are set
-        real(dp), intent(in) :: reach !! the distance up to which a pole is passed through, rad
-        logical, intent(out) :: sure !! whether the turns are certain
-        real(dp), intent(in), optional :: error !! how far off the motion may be at `next`, rad
-        !> Rotation that attitudes tell, rad; one that is followed in no case.
-        real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
-        type(motion_t) :: here, there
-        real(dp) :: turn, angle(3)
-
-        here = self%seen(last)
-        there = self%seen(next)
-        turn = abs(next%t - last%t) * sqrt(max(sum(here%omega**2), sum(there%omega**2)))
-        ! Of both quaternions of an attitude, the one that the motion reaches.
-        if (turn <= largest_turn .and. dot_product(here%quaternion, there%quaternion) < 0) there%quaternion = -there%quaternion
-        angle = last%given_angle
-        next%given_passed = last%given_passed
-        call follow_motion(here, there, reach, next%given_passed, angle, sure)
-        sure = sure .and. .not. (turn > largest_turn .and. turn <= endless_turn)
-        next%given_angle = angle
-        if (present(error)) call next%given_passed%watch(square_to_pole(there%quaternion), error)
-        if (.not. next%given_passed%arrived) next%given_angle = angles_from_quaternion(there%quaternion, angle)
-    end subroutine follow
 
     !> A motion whose rates of phi and psi are smaller, with the angular acceleration.
     pure type(motion_t) function unshifted(phi_shift, psi_shift, motion) result(other)

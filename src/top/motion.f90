@@ -36,8 +36,8 @@ module spintop_motion
         !> phi, theta, psi in the axes in which the body was given, or angles near them, rad; only where these differ from
         !> the axes of the computation (spintop_given_axes).
         real(dp) :: given_angle(3) = 0
-        !> Passages through the poles, in the axes of the computation and in those in which the body was given.
-        type(passages_t) :: passed = passages_t(), given_passed = passages_t()
+        !> Passages through the poles, in the axes in which the body was given.
+        type(passages_t) :: passed = passages_t()
         !> For a start: which quantities were given and are exact. The others are computed from them and
         !> rounded. With `gives_quaternion` the quaternion is exact, not the angles; with `gives_omega` omega,
         !> with `gives_omega3` omega3 alone, not the rates.

@@ -71,7 +71,7 @@ def prototypes(folder):
     for name, text in DECLARATIONS.items():
         source += f"""
             module {name}_declared
-                use, intrinsic :: iso_c_binding, only: c_double, c_int, c_long_long
+                use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t, c_long_long
                 use spintop_kernel_types
                 implicit none
                 interface\n{text}

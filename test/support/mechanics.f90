@@ -21,13 +21,11 @@ module mechanics
     use spintop_methods
     use spintop_motion
     use spintop_nutation
-    use spintop_projection
     use spintop_quantities
     use spintop_relative_equilibrium
     use spintop_status
     use spintop_steady_motion
     use spintop_stepper
-    use spintop_suitability
     use spintop_tangent_flow
     use event_log
     use known_tops

@@ -8,12 +8,10 @@ module ways
     use spintop_formulations, only: create_formulation, formulation_infos
     use spintop_integration, only: integrate, outcome_t
     use spintop_kinds, only: dp
-    use spintop_methods, only: create_stepper, method_infos
+    use spintop_methods, only: create_stepper, has_structure, method_infos, passes_turns
     use spintop_motion, only: motion_t
-    use spintop_projection, only: project_nothing
     use spintop_status, only: status_ok
-    use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_suitability, only: has_structure, passes_turns
+    use spintop_stepper, only: method_info_t, project_nothing, stepper_t
     implicit none
     private
     public :: way_t, ways_for, follow, label, span_of

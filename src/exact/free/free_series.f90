@@ -100,7 +100,7 @@ contains
             other(n) = (-1)**n * q**(2 * n**2 + n) * other(n)
         end do
         series%phase_rate = path%spin / 2 - path%side * series%rate * 2 * sum([(n * mixed(n), n=1, last_circular)]) / sum(even)
-        series%start = argument_at_start(q, sqrt(path%complement) * path%a * path%part(2), path%b * path%part(1))
+        series%start = argument_at(q, sqrt(path%complement) * path%a * path%part(2), path%b * path%part(1))
         series%up_even = real(even, dp)
         series%up_odd = real(path%side * mixed, dp)
         series%low_odd = real(other, dp)
@@ -131,8 +131,8 @@ contains
         end do
     end function momentum_root
 
-    !> The argument z at which sn/cn is given: tan z = opposite B/(adjacent A), theta functions of z itself.
-    pure real(xp) function argument_at_start(q, opposite, adjacent) result(z)
+    !> The argument z with tan z = opposite B/(adjacent A), theta functions of z itself: by Newton's method.
+    pure real(xp) function argument_at(q, opposite, adjacent) result(z)
         real(xp), intent(in) :: q, opposite, adjacent
         real(xp) :: step
         integer :: iteration
@@ -142,7 +142,7 @@ contains
             z = z - step
             if (abs(step) <= 4 * epsilon(z) * abs(z)) exit
         end do
-    end function argument_at_start
+    end function argument_at
 
     !> The theta functions at a time since the start, s.
     pure subroutine evaluate_circular(self, elapsed, values)
@@ -186,7 +186,7 @@ contains
     pure subroutine prepare_hyperbolic_series(series, path)
         type(hyperbolic_series_t), intent(out) :: series !! the series
         type(momentum_path_t), intent(in) :: path !! the path of the momentum
-        real(xp) :: q, mu, theta3, above, below, step, cosh_sum
+        real(xp) :: q, mu, theta3, above, below, cosh_sum
         integer :: n
 
         q = nome(path%complement**2, path%modulus)
@@ -200,12 +200,7 @@ contains
             series%half_period = -log(q) / 2
             series%period = 2 * series%half_period / series%rate
         end if
-        mu = atan(path%ratio)
-        do n = 1, most_iterations
-            step = (mu - atan2(path%ratio * sum_b(series%p, mu), sum_a(series%p, mu))) / (1 + 4 * q * sin(2 * mu)**2)
-            mu = mu - step
-            if (abs(step) <= 4 * epsilon(mu) * abs(mu)) exit
-        end do
+        mu = argument_at(series%p, path%ratio, 1.0_xp)
         series%mu = mu
         above = 0
         below = 0

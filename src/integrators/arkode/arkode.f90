@@ -206,7 +206,7 @@ contains
             ! tolerance, as with ode45.
             tolerances = [self%controls%relative_tolerance, self%controls%absolute_tolerance] / sqrt(real(info%states, dp))
         end if
-        call self%weight%set(self%formulation, tolerances(1), tolerances(2))
+        call self%set_weight(tolerances(1), tolerances(2))
         self%y_known = self%y
         if (allocated(self%handle)) deallocate (self%handle)
         allocate (self%handle)
@@ -225,7 +225,7 @@ contains
         if (.not. all(is_equal(self%y, self%y_known))) then
             ! The caller has changed the state since the last step.
             call self%evaluate(self%t, self%y, self%slope, status)
-            call restart(self)
+            call restart(self, 0.0_dp)
         end if
         if (.not. is_ok(status)) return
         if (self%current%adaptive) then
@@ -235,15 +235,12 @@ contains
         end if
     end subroutine advance
 
-    !> Makes ARKODE go on from the state, with a first step of size `h` if given.
+    !> Makes ARKODE go on from the state, with a first step of size `h` if that is not 0.
     subroutine restart(self, h)
         class(arkode_t), intent(inout) :: self
-        real(dp), intent(in), optional :: h
-        real(dp) :: h_first
-        h_first = 0
-        if (present(h)) h_first = h
+        real(dp), intent(in) :: h
         self%y_known = self%y
-        call restart_run(self%handle%address, self%t, self%y, h_first)
+        call restart_run(self%handle%address, self%t, self%y, h)
     end subroutine restart
 
     !> A step on the grid of fixed step size, or where it ends.
@@ -254,7 +251,7 @@ contains
         call take_step(self, h, t_new, t_new, status)
         ! ARKODE sums its steps, with rounding errors.
         if (is_ok(status)) self%t = t_new
-        if (status == status_outside) call restart(self)
+        if (status == status_outside) call restart(self, 0.0_dp)
     end subroutine try_step
 
     !> A step whose size ARKODE chooses. With an explicit table ARKODE fails at once if the right-hand side fails within the
@@ -270,7 +267,7 @@ contains
             ! Too short for step control.
             status = status_step_too_small
             if (stop_time <= self%t) return
-            call restart(self)
+            call restart(self, 0.0_dp)
             call take_step(self, stop_time - self%t, stop_time, stop_time, status)
             if (is_ok(status)) self%t = stop_time
             return

@@ -88,11 +88,7 @@ contains
             end if
             if (problem /= '') problem = 'line ' // to_text(number) // ': ' // problem
         end do
-        if (problem /= '') return
-        call check_whole(tableau%table, rows, problem)
-        if (problem /= '') return
-        call check_orders(tableau%table, problem)
-        if (problem /= '') problem = 'line ' // to_text(order_line) // ': ' // problem
+        if (problem == '') call check_whole(tableau%table, rows, order_line, problem)
     end subroutine parse_tableau
 
     !> The numbers of a text, which may be fractions.
@@ -195,11 +191,13 @@ contains
         end if
     end subroutine add_row
 
-    !> Checks that the table is complete.
-    subroutine check_whole(table, rows, problem)
+    !> Checks that the table is complete, and compares the orders with those that ARKODE finds.
+    subroutine check_whole(table, rows, order_line, problem)
         type(arkode_table_t), intent(in) :: table
-        integer, intent(in) :: rows
+        integer, intent(in) :: rows, order_line !! number of rows of weights, and of the line with the orders
         character(:), allocatable, intent(inout) :: problem
+        integer(c_int) :: found(2), given(2)
+        integer :: i
 
         if (table%stages == 0) then
             problem = 'there are no stages; expected rows c | a1 a2 ...'
@@ -212,23 +210,16 @@ contains
         else if (rows == 2 .and. all(abs(table%b - table%embedded) <= 0)) then
             problem = 'the two rows of weights are the same'
         end if
-    end subroutine check_whole
-
-    !> Compares the orders with those that ARKODE finds.
-    subroutine check_orders(table, problem)
-        type(arkode_table_t), intent(in) :: table
-        character(:), allocatable, intent(inout) :: problem
-        integer(c_int) :: found(2), given(2)
-        integer :: i
-
+        if (problem /= '') return
         given = [table%order, table%embedded_order]
         call find_orders(table, found(1), found(2))
         do i = 2, 1, -1
             if (found(i) >= min(given(i), highest_checked)) cycle
-            problem = trim(merge('the method         ', 'the embedded method', i == 1)) // ' does not have order ' // &
+            problem = 'line ' // to_text(order_line) // ': ' // &
+                      trim(merge('the method         ', 'the embedded method', i == 1)) // ' does not have order ' // &
                       to_text(int(given(i))) // ': its coefficients fulfil the conditions of order ' // &
                       to_text(int(found(i))) // '; correct them, or give that order'
         end do
-    end subroutine check_orders
+    end subroutine check_whole
 
 end module spintop_tableau

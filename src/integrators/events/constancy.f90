@@ -13,14 +13,13 @@ module spintop_constancy
     use spintop_body, only: body_t
     use spintop_kinds, only: dp, pi, is_finite
     use spintop_effects, only: timeless_effects
-    use spintop_dop853_table, only: dop853_table, dop853_table_t, main_stages
-    use spintop_event, only: event_quantities_t, event_t, occasion_none
+    use spintop_dop853, only: dop853_table, dop853_table_t, main_stages
+    use spintop_event, only: event_quantities_t, occasion_none
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_quantities, only: angular_acceleration
     implicit none
     private
-    public :: find_constant, find_noise, driven_rate, greatest_fall_rate, noise_of_step, noise_of_tolerance
-    public :: noise_within_step, time_of_start
+    public :: find_constant, find_noise, driven_rate, greatest_fall_rate, find_noise_of_steps, noise_of_tolerance, time_of_start
     public :: margin, rounding_distance
 
     !> How far neighbours are, relatively, and their number: turned about each body axis, or with another angular velocity.
@@ -62,7 +61,10 @@ contains
             end if
             if (i > 0) call step(table, body, h, motion)
             call search%quantities(motion, values)
-            distance = distance_from_level(search%events, values)
+            distance = abs(values - search%events%level)
+            where (search%events%every_turn)
+                distance = abs(values - search%events%level - 2 * pi * anint((values - search%events%level) / (2 * pi)))
+            end where
             is_constant = is_constant .and. is_finite(distance)
             if (any(is_constant)) then
                 call find_noise(search, fall, motion, noise)
@@ -73,14 +75,6 @@ contains
         ! The angles of the next motion are near those of the last one that was seen.
         call search%quantities(start, values)
     end subroutine find_constant
-
-    !> Distance of a quantity from its level, or from the nearest of several.
-    elemental real(dp) function distance_from_level(event, value) result(distance)
-        type(event_t), intent(in) :: event
-        real(dp), intent(in) :: value
-        distance = abs(value - event%level)
-        if (event%every_turn) distance = abs(value - event%level - 2 * pi * anint((value - event%level) / (2 * pi)))
-    end function distance_from_level
 
     !> Whether what acts on a body may change at once, after any time: by a row of a table, or where friction lets it go.
     pure logical function changes_later(body)
@@ -201,29 +195,20 @@ contains
         distance = max(rounding_distance, share * tolerance)
     end function noise_of_tolerance
 
-    !> How far the motion within steps of a fixed size is from that between their ends, relatively: the error of the polynomial
-    !> in a step, of a degree that suits the order of the method. Most of it is common to all vectors of the body: measured.
-    pure real(dp) function noise_within_step(body, start, h, order) result(distance)
+    !> How far a method with steps of a fixed size may lead from the motion without its errors, relatively: in a step as the first
+    !> term of its series that the method leaves out, but for the derivative; within a step as the error of the polynomial, of a
+    !> degree that suits the order of the method. Most of the latter is common to all vectors of the body: measured.
+    pure subroutine find_noise_of_steps(body, start, h, order, of_step, within)
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the motion at the start
         real(dp), intent(in) :: h !! size of the step, s
         integer, intent(in) :: order !! order of the method
+        real(dp), intent(out) :: of_step, within !! how far each step leads from the motion; how far off it is within a step
         real(dp), parameter :: share = 5.0e-5_dp
         real(dp) :: turn
-        turn = min((norm2(start%omega) + greatest_fall_rate(body)) * h, 1.0_dp)
-        distance = max(rounding_distance, share * turn**min(max(order, 4), 8))
-    end function noise_within_step
-
-    !> How far a step of a fixed size may lead from the motion without errors of the method, relatively: as the first term of
-    !> its series that the method leaves out, but for the derivative.
-    pure real(dp) function noise_of_step(body, start, h, order) result(distance)
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: start !! the motion at the start
-        real(dp), intent(in) :: h !! size of the step, s
-        integer, intent(in) :: order !! order of the method
-        real(dp) :: turn
         turn = (norm2(start%omega) + greatest_fall_rate(body)) * h
-        distance = max(rounding_distance, min(turn**(order + 1) / gamma(order + 2.0_dp), 1.0_dp))
-    end function noise_of_step
+        of_step = max(rounding_distance, min(turn**(order + 1) / gamma(order + 2.0_dp), 1.0_dp))
+        within = max(rounding_distance, share * min(turn, 1.0_dp)**min(max(order, 4), 8))
+    end subroutine find_noise_of_steps
 
 end module spintop_constancy

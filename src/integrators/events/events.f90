@@ -85,7 +85,6 @@ module spintop_events
         procedure(handle_event), deferred :: handle_event
         procedure :: check
         procedure :: begin
-        procedure :: judge
         procedure :: find_events
         procedure :: knows
         procedure :: record_occasion
@@ -136,11 +135,13 @@ contains
         if (.not. all(abs(self%events%direction) <= 1 .and. is_finite(self%events%level))) status = status_bad_events
     end function check
 
-    !> Begins at a motion of the body.
-    subroutine begin(self, body, motion)
+    !> Begins at a motion of the body. With a start of that motion it is judged which quantities are constant at their levels there,
+    !> and then have no events.
+    subroutine begin(self, body, motion, start)
         class(event_search_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: motion !! the motion at the start
+        type(motion_t), intent(in) :: motion !! the motion where the search begins
+        type(motion_t), intent(in), optional :: start !! the motion at the start
         integer :: n
         self%fall_rate = greatest_fall_rate(body)
         self%t_begin = motion%t
@@ -157,15 +158,8 @@ contains
         allocate (self%values(n), self%noise(n), self%sides(n))
         allocate (self%passages(first_room))
         call self%quantities(motion, self%values)
+        if (present(start)) call find_constant(self, body, start, self%sides%is_constant)
     end subroutine begin
-
-    !> Judges which quantities are constant at their levels, and then have no events: after `begin`, of a motion of that body.
-    subroutine judge(self, body, motion)
-        class(event_search_t), intent(inout) :: self
-        type(body_t), intent(in) :: body !! mass properties about the fixed point
-        type(motion_t), intent(in) :: motion !! the motion at the start
-        call find_constant(self, body, motion, self%sides%is_constant)
-    end subroutine judge
 
     !> Searches the path from the last instant to a time, or to the event that ends the motion, or as far as
     !> the path allows.

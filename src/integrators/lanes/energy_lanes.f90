@@ -83,12 +83,16 @@ contains
     subroutine observe(self, run)
         class(energy_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
-        real(dp), dimension(lanes) :: energy, work
-        integer :: i
+        real(dp), dimension(lanes) :: energy, work, frame
+        integer :: i, m
         call find_energies(self, run, energy)
         if (allocated(run%effects)) then
             call add_work(self, run%order, run%effects%kinds, run%power, run%c, run%more)
-            if (run%effects%kinds%frame > 0) call add_frame(self, run%order, run%now%t, run%power, run%more, energy)
+            ! The potential energies of the motion of the frame, -O.IO/2 - O.h.
+            do m = 1, merge(3, 0, run%effects%kinds%frame > 0)
+                frame = sum(run%more(:, row_frame + m - 1, :) * run%power(:, :run%order), dim=2)
+                energy = energy - frame * (self%half_inertia(:, m) * frame + self%rotor(:, m) + run%now%t * self%drive(:, m))
+            end do
             work = sum(self%done, dim=2)
             energy = self%at_start + (energy - self%at_start - work) / max(1.0_dp, sum(abs(self%done), dim=2))
         end if
@@ -207,20 +211,6 @@ contains
         end do
         x(:, degree + 1:degree + further) = 0
     end subroutine take_row
-
-    !> Adds the potential energies of the motion of the frame at the ends of the last step, -O.IO/2 - O.h.
-    pure subroutine add_frame(self, order, t, power, more, energy)
-        class(energy_lanes_t), intent(in) :: self
-        integer, intent(in) :: order
-        real(dp), intent(in) :: t(lanes), power(lanes, 0:order), more(lanes, more_rows, 0:order)
-        real(dp), intent(inout) :: energy(lanes)
-        real(dp) :: frame(lanes)
-        integer :: m
-        do m = 1, 3
-            frame = sum(more(:, row_frame + m - 1, :) * power, dim=2)
-            energy = energy - frame * (self%half_inertia(:, m) * frame + self%rotor(:, m) + t * self%drive(:, m))
-        end do
-    end subroutine add_frame
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, last, found)

@@ -25,19 +25,19 @@ module spintop_taylor_lanes
     use spintop_formulation, only: max_series_order
     use spintop_integration, only: outcome_t
     use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
-    use spintop_lane_azimuth, only: border, follow, lane_step_t, largest_turn, sharp, turns_far, watch_poles
     use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
-    use spintop_lane_steps, only: add_steps, choose_durations, end_before_reversals, non_finite
+    use spintop_lane_steps, only: add_steps, border, choose_durations, end_before_reversals, follow, lane_step_t, largest_turn, &
+        non_finite, sharp, turns_far, watch_poles
     use spintop_measures, only: measures_t
+    use spintop_methods, only: controls_status
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
     use spintop_pole_passages, only: in_pole, through_pole
     use spintop_poles, only: reach_of
     use spintop_quantities, only: angular_acceleration, motion_scales, motion_scales_t
     use spintop_status, only: is_ok, status_bad_input, status_bad_span, status_non_finite, status_ok, &
         status_step_limit, status_step_too_small, status_unsuitable
-    use spintop_stepper, only: controls_t, looks_per_step
-    use spintop_suitability, only: controls_status
-    use spintop_taylor, only: order_for, taylor_info
+    use spintop_stepper, only: controls_t, looks_per_step, smallest_spacings
+    use spintop_taylor, only: largest_growth, order_for, safety, stretch, taylor_info
     use spintop_validity, only: body_status, motion_status
     implicit none
     private
@@ -171,6 +171,7 @@ contains
         type(motion_kinds_t), intent(in), optional :: kinds !! which effects all bodies have; without it they have none
         type(lane_numbers_t) :: empty
         integer, parameter :: bits = storage_size(1.0_dp), numbers = storage_size(empty) / bits
+        integer(c_intptr_t) :: address
         integer :: first, terms, others
 
         self%controls = controls
@@ -186,7 +187,8 @@ contains
         end if
         if (allocated(self%room)) deallocate (self%room)
         allocate (self%room(terms + others + numbers + line), source=0.0_dp)
-        first = start_of_line(self%room)
+        address = transfer(c_loc(self%room(1)), address)
+        first = 1 + int(modulo(-address / (bits / 8), int(line, c_intptr_t)))
         self%c(1:lanes, 1:rows, 0:self%order) => self%room(first:first + terms - 1)
         call c_f_pointer(c_loc(self%room(first + terms)), self%now)
         self%now = empty
@@ -199,15 +201,6 @@ contains
         real(dp), intent(in) :: tolerance !! relative tolerance of the motions
         order = order_for(tolerance, order_at_one, order_a_digit)
     end function lane_order
-
-    !> The first number of an array that begins a cache line.
-    integer function start_of_line(room) result(first)
-        real(dp), target, intent(in) :: room(:)
-        integer(c_intptr_t) :: address
-        integer, parameter :: bytes = storage_size(room) / 8
-        address = transfer(c_loc(room(1)), address)
-        first = 1 + int(modulo(-address / bytes, int(line, c_intptr_t)))
-    end function start_of_line
 
     !> Puts a body and its start into a lane.
     subroutine load(self, lane, body, start, t_end)
@@ -282,8 +275,12 @@ contains
             else
                 call expand(self%order, now%body, now%side, now%state, c)
             end if
-            call choose_durations(self%order, self%controls, c, now%scale, now%t, now%t_end, self%steps, &
-                                  now%h, now%duration, trouble, worst)
+            associate (own => self%controls)
+                call choose_durations(self%order, own%absolute_tolerance, own%relative_tolerance, largest_growth, safety, stretch, &
+                                      smallest_spacings * epsilon(now%t), own%max_steps, c, now%scale, now%t, now%t_end, &
+                                      self%steps, now%h, now%duration, trouble)
+            end associate
+            worst = maxval(trouble)
             if (any(self%has_cusps)) then
                 call end_before_reversals(self%order, c, self%has_cusps, self%dragged, now%duration, reverses)
                 where (reverses) trouble = max(trouble, non_finite)
@@ -302,21 +299,17 @@ contains
                 if (doubt(lane) >= turns_far) then
                     call self%find_other_angle(lane, now%t(lane), now%other(lane), self%passed(lane), is_known)
                     now%other_then(lane) = now%other(lane)
-                    if (.not. is_known) call give_up(self, lane)
+                    if (.not. is_known) then
+                        ! The body turned too often to be followed: the lane ends where the step began.
+                        call self%stop(lane, now%t_last(lane))
+                        self%status(lane) = status_step_limit
+                    end if
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
             end do
             call watch_poles(self%error_of_step * self%steps, now%state, self%passed)
         end associate
     end subroutine advance
-
-    !> Ends a lane in whose last step the body turned too often to be followed, at the beginning of that step.
-    pure subroutine give_up(self, lane)
-        class(taylor_lanes_t), intent(inout) :: self
-        integer, intent(in) :: lane
-        call self%stop(lane, self%now%t_last(lane))
-        self%status(lane) = status_step_limit
-    end subroutine give_up
 
     !> Ends a lane at a time within the last step: its motion is that then.
     pure subroutine stop_lane(self, lane, t)
@@ -376,14 +369,17 @@ contains
         type(passages_t), intent(out) :: passed !! the passages
         logical, intent(out), optional :: is_known !! whether the turns of the step could be followed
         type(lane_step_t) :: step
+        real(dp) :: from, gamma(2)
         associate (now => self%now)
+            from = now%t_last(lane)
+            gamma = self%c(lane, 4:5, 0)
             other = now%other_last(lane)
             passed = self%passed_last(lane)
-            step = lane_step_t(self%order, now%t_last(lane), now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
+            step = lane_step_t(self%order, from, now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
                                self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane), &
                                looks_per_step * self%controls%max_steps)
         end associate
-        call step%follow(self%c(lane, :, :), t, other, passed)
+        call step%walk(self%c(lane, :, :), t, from, gamma, other, passed)
         if (present(is_known)) is_known = step%looks > 0
     end subroutine find_other_angle
 

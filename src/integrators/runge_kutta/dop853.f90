@@ -1,21 +1,43 @@
-!> The Dormand-Prince method of order 8 with error estimate, step control and dense output: DOP853 of Hairer,
-!> Norsett and Wanner (Solving Ordinary Differential Equations I, 2nd edition, 1993, sections II.4 to II.6);
-!> also with a fixed step size.
+!> The Dormand-Prince method of order 8 with embedded methods of orders 5 and 3, step control and dense output of order 7: DOP853
+!> of Hairer, Norsett and Wanner (Solving Ordinary Differential Equations I, 2nd edition, 1993, sections II.4 to II.6), with the
+!> decimals of their program; Prince and Dormand, J. Comp. Appl. Math. 7 (1981). Also with a fixed step size.
 !>
 !> The state is summed with compensation, so that small steps at tight tolerances lose no digits.
 module spintop_dop853
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_kinds, only: dp
-    use spintop_dop853_table, only: dop853_table_t, main_stages, new_slope, all_stages
+    use spintop_kinds, only: dp, xp
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
     use spintop_formulation, only: formulation_info_t, max_aside, max_states
-    use spintop_motions, only: instants
     use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: run_state_t, smallest_step
     implicit none
     private
-    public :: dop853_t
+    public :: dop853_t, dop853_table_t, dop853_table, main_stages, new_slope, all_stages
+
+    !> Number of stages of a step; index of the slope at its end, which is the first stage of the next step;
+    !> and number of all stages, with the three of dense output.
+    integer, parameter :: main_stages = 12, new_slope = 13, all_stages = 16
+
+    !> k_i = f(t + c_i h, y + h sum_j a_ij k_j), y+ = y + h sum_i b_i k_i.
+    type :: dop853_table_t
+        !> a(j, i) multiplies k_j in stage i: columns are stages.
+        real(dp) :: a(all_stages, all_stages) = 0
+        !> Stage i depends on stage 1 and on those from since(i) to i - 1.
+        integer :: since(all_stages) = 1
+        real(dp) :: b(all_stages) = 0
+        !> Weights of stage i in the sums of a step, column i: b, its rounding error, and `error5` and `error3`.
+        real(dp) :: sums(4, all_stages) = 0
+        !> Where the stages lie in the step.
+        real(dp) :: c(all_stages) = 0
+        !> Rounding errors of b, which would accumulate over long times.
+        real(dp) :: b_rest(all_stages) = 0
+        !> b minus the weights of the embedded methods.
+        real(dp) :: error5(all_stages) = 0, error3(all_stages) = 0
+        !> Dense output: weights of the last four terms. The first four are those of the cubic Hermite
+        !> polynomial.
+        real(dp) :: dense(all_stages, 4) = 0
+    end type dop853_table_t
 
     !> Fraction of the step that the error estimate allows, and bounds of its change from step to step.
     real(dp), parameter :: safety = 0.9_dp, largest_growth = 6, largest_cut = 1.0_dp / 3
@@ -46,7 +68,6 @@ module spintop_dop853
         procedure :: advance
         procedure :: step
         procedure :: state_within
-        procedure :: states_within
     end type dop853_t
 
     interface
@@ -64,6 +85,128 @@ module spintop_dop853
 
 contains
 
+    !> The coefficients.
+    pure type(dop853_table_t) function dop853_table() result(table)
+        real(xp) :: b(all_stages)
+        integer :: i
+
+        table%a(1, 2) = 0.0526001519587677318785587544488_dp
+        table%a(1:2, 3) = [0.0197250569845378994544595329183_dp, &
+            0.0591751709536136983633785987549_dp]
+        table%a(1, 4) = 0.0295875854768068491816892993775_dp
+        table%a(3, 4) = 0.0887627564304205475450678981324_dp
+        table%a(1, 5) = 0.241365134159266685502369798665_dp
+        table%a(3:4, 5) = [-0.884549479328286085344864962717_dp, &
+            0.924834003261792003115737966543_dp]
+        table%a(1, 6) = 0.037037037037037037037037037037_dp
+        table%a(4:5, 6) = [0.170828608729473871279604482173_dp, &
+            0.125467687566822425016691814123_dp]
+        table%a(1, 7) = 0.037109375_dp
+        table%a(4:6, 7) = [0.170252211019544039314978060272_dp, &
+            0.0602165389804559606850219397283_dp, -0.017578125_dp]
+        table%a(1, 8) = 0.0370920001185047927108779319836_dp
+        table%a(4:7, 8) = [0.170383925712239993810214054705_dp, &
+            0.107262030446373284651809199168_dp, -0.0153194377486244017527936158236_dp, &
+            8.27378916381402288758473766002e-3_dp]
+        table%a(1, 9) = 0.624110958716075717114429577812_dp
+        table%a(4:8, 9) = [-3.36089262944694129406857109825_dp, &
+            -0.868219346841726006818189891453_dp, 27.5920996994467083049415600797_dp, &
+            20.1540675504778934086186788979_dp, -43.4898841810699588477366255144_dp]
+        table%a(1, 10) = 0.477662536438264365890433908527_dp
+        table%a(4:9, 10) = [-2.48811461997166764192642586468_dp, &
+            -0.590290826836842996371446475743_dp, 21.2300514481811942347288949897_dp, &
+            15.2792336328824235832596922938_dp, -33.2882109689848629194453265587_dp, &
+            -0.0203312017085086261358222928593_dp]
+        table%a(1, 11) = -0.93714243008598732571704021658_dp
+        table%a(4:10, 11) = [5.18637242884406370830023853209_dp, &
+            1.09143734899672957818500254654_dp, -8.14978701074692612513997267357_dp, &
+            -18.5200656599969598641566180701_dp, 22.7394870993505042818970056734_dp, &
+            2.49360555267965238987089396762_dp, -3.0467644718982195003823669022_dp]
+        table%a(1, 12) = 2.27331014751653820792359768449_dp
+        table%a(4:11, 12) = [-10.5344954667372501984066689879_dp, &
+            -2.00087205822486249909675718444_dp, -17.9589318631187989172765950534_dp, &
+            27.9488845294199600508499808837_dp, -2.85899827713502369474065508674_dp, &
+            -8.87285693353062954433549289258_dp, 12.3605671757943030647266201528_dp, &
+            0.643392746015763530355970484046_dp]
+        ! The new state, whose slope is stage 13.
+        b = 0
+        b(1) = 0.0542937341165687622380535766363_xp
+        b(6:12) = [4.45031289275240888144113950566_xp, &
+            1.89151789931450038304281599044_xp, -5.8012039600105847814672114227_xp, &
+            0.31116436695781989440891606237_xp, -0.152160949662516078556178806805_xp, &
+            0.201365400804030348374776537501_xp, 0.0447106157277725905176885569043_xp]
+        table%b = real(b, dp)
+        table%b_rest = real(b - table%b, dp)
+        table%a(:, new_slope) = table%b
+        table%c = [0.0_dp, 0.0526001519587677318785587544488_dp, 0.0789002279381515978178381316732_dp, &
+            0.118350341907227396726757197510_dp, 0.281649658092772603273242802490_dp, 1.0_dp / 3, 1.0_dp / 4, &
+            4.0_dp / 13, 127.0_dp / 195, 3.0_dp / 5, 6.0_dp / 7, 1.0_dp, 1.0_dp, 1.0_dp / 10, 1.0_dp / 5, 7.0_dp / 9]
+        table%error3 = table%b
+        table%error3(1) = table%b(1) - 0.244094488188976377952755905512_dp
+        table%error3(9) = table%b(9) - 0.733846688281611857341361741547_dp
+        table%error3(12) = table%b(12) - 0.0220588235294117647058823529412_dp
+        table%error5(1) = 0.01312004499419488073250102996_dp
+        table%error5(6:12) = [-1.225156446376204440720569753_dp, &
+            -0.4957589496572501915214079952_dp, 1.664377182454986536961530415_dp, &
+            -0.350328848749973681688648729_dp, 0.3341791187130174790297318841_dp, &
+            0.08192320648511571246570742613_dp, -0.02235530786388629525884427845_dp]
+        call set_dense_output(table)
+        do i = 3, all_stages
+            table%since(i) = min(1 + findloc(abs(table%a(2:, i)) > 0, .true., dim=1), i - 1)
+        end do
+        table%sums = transpose(reshape([table%b, table%b_rest, table%error5, table%error3], [all_stages, 4]))
+    end function dop853_table
+
+    !> The stages that are used for dense output only, and its weights.
+    pure subroutine set_dense_output(table)
+        type(dop853_table_t), intent(inout) :: table
+        table%a(1, 14) = 0.0561675022830479523392909219681_dp
+        table%a(7:13, 14) = [0.253500210216624811088794765333_dp, &
+            -0.246239037470802489917441475441_dp, -0.124191423263816360469010140626_dp, &
+            0.15329179827876569731206322685_dp, 8.20105229563468988491666602057e-3_dp, &
+            7.56789766054569976138603589584e-3_dp, -8.298e-3_dp]
+        table%a(1, 15) = 0.0318346481635021405060768473261_dp
+        table%a(6:8, 15) = [0.0283009096723667755288322961402_dp, &
+            0.0535419883074385676223797384372_dp, -0.0549237485713909884646569340306_dp]
+        table%a(11:14, 15) = [-1.08347328697249322858509316994e-4_dp, &
+            3.82571090835658412954920192323e-4_dp, -3.40465008687404560802977114492e-4_dp, &
+            0.141312443674632500278074618366_dp]
+        table%a(1, 16) = -0.428896301583791923408573538692_dp
+        table%a(6:9, 16) = [-4.69762141536116384314449447206_dp, &
+            7.68342119606259904184240953878_dp, 4.06898981839711007970213554331_dp, &
+            0.356727187455281109270669543021_dp]
+        table%a(13:15, 16) = [-1.39902416515901462129418009734e-3_dp, &
+            2.9475147891527723389556272149_dp, -9.15095847217987001081870187138_dp]
+        table%dense(1, 1) = -8.4289382761090128651353491142_dp
+        table%dense(6:16, 1) = [0.5667149535193777696253178359_dp, &
+            -3.0689499459498916912797304727_dp, 2.384667656512069828772814968_dp, &
+            2.1170345824450282767155149946_dp, -0.8713915837779729920678990749_dp, &
+            2.240437430260788275854177165_dp, 0.6315787787694688181557024929_dp, &
+            -0.0889903364513333108206981174_dp, 18.148505520854727256656404962_dp, &
+            -9.1946323924783554000451984436_dp, -4.4360363875948939664310572_dp]
+        table%dense(1, 2) = 10.427508642579134603413151009_dp
+        table%dense(6:16, 2) = [242.28349177525818288430175319_dp, &
+            165.20045171727028198505394887_dp, -374.54675472269020279518312152_dp, &
+            -22.113666853125306036270938578_dp, 7.7334326684722638389603898808_dp, &
+            -30.674084731089398182061213626_dp, -9.3321305264302278729567221706_dp, &
+            15.697238121770843886131091075_dp, -31.139403219565177677282850411_dp, &
+            -9.3529243588444783865713862664_dp, 35.81684148639408375246589854_dp]
+        table%dense(1, 3) = 19.985053242002433820987653617_dp
+        table%dense(6:16, 3) = [-387.03730874935176555105901742_dp, &
+            -189.17813819516756882830838328_dp, 527.80815920542364900561016686_dp, &
+            -11.573902539959630126141871134_dp, 6.8812326946963000169666922661_dp, &
+            -1.000605096691083840318386098_dp, 0.7777137798053443209286926574_dp, &
+            -2.7782057523535084065932004339_dp, -60.196695231264120758267380846_dp, &
+            84.320405506677161018159903784_dp, 11.99229113618278932803513003_dp]
+        table%dense(1, 4) = -25.693933462703749003312586129_dp
+        table%dense(6:16, 4) = [-154.18974869023643374053993627_dp, &
+            -231.52937917604549567536039109_dp, 357.6391179106141237828534991_dp, &
+            93.405324183624310003907691704_dp, -37.458323136451633156875139351_dp, &
+            104.09964950896230045147246184_dp, 29.840293426660503123344363579_dp, &
+            -43.533456590011143754432175058_dp, 96.3245539591882829483949506_dp, &
+            -39.177261675615439165231486172_dp, -149.72683625798562581422125276_dp]
+    end subroutine set_dense_output
+
     !> First slope and, unless the step size is fixed, first step size.
     subroutine begin(self, status)
         class(dop853_t), intent(inout) :: self
@@ -74,7 +217,7 @@ contains
         self%last_error = least_error
         info = self%formulation%info()
         self%states = info%states
-        call self%set_weight()
+        call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call begin_on_grid(self, status)
         if (self%controls%steps == 0 .and. is_ok(status)) then
             self%h = first_step(self)
@@ -230,25 +373,6 @@ contains
             y = self%term(:, i) + y * merge(s, 1 - s, mod(i, 2) == 1)
         end do
     end function state_within
-
-    !> The same at several times, all by the same instructions.
-    subroutine states_within(self, t, y)
-        class(dop853_t), intent(inout) :: self
-        real(dp), intent(in) :: t(instants) !! times, s
-        real(dp), intent(out) :: y(instants, max_states) !! states
-        real(dp) :: s(instants), left(instants), c(8)
-        integer :: m
-
-        y = 0
-        if (.not. self%has_terms) call find_terms(self)
-        s = (t - self%t_last) / (self%t - self%t_last)
-        left = 1 - s
-        do m = 1, max_states
-            c = self%term(m, :)
-            y(:, m) = c(1) + s * (c(2) + left * (c(3) + s * (c(4) + left * (c(5) &
-                      + s * (c(6) + left * (c(7) + s * c(8)))))))
-        end do
-    end subroutine states_within
 
     !> The terms of the dense output of the last step, with three more stages. If one of these does not exist,
     !> the cubic Hermite polynomial is used.

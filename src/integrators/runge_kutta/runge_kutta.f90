@@ -152,7 +152,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: steepest
 
-        call self%set_weight()
+        call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call self%evaluate(self%t, self%y, self%slope, status)
         if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
@@ -180,7 +180,14 @@ contains
             if (1.1_dp * h >= self%t_end - self%t .and. h < h_left) t_new = self%t_end
             t_new = min(t_new, self%t_end)
             h = t_new - self%t
-            call try_step(self, h, y_new, error, status)
+            call find_stages(self%run_state_t, self%table, h, self%k, y_new, status)
+            error = huge(1.0_dp)
+            if (is_ok(status)) then
+                ! In units in which the relative tolerance is the limit.
+                error = h * maxval(abs(stage_sum(self%k, self%table%error, self%table%stages)) &
+                                   / self%weight%matlab_magnitude(self%y, y_new))
+                if (.not. is_finite(error)) status = status_non_finite
+            end if
             if (is_ok(status) .and. error <= self%controls%relative_tolerance) exit
             self%counts%rejected = self%counts%rejected + 1
             if (h <= h_smallest) then
@@ -205,22 +212,6 @@ contains
             self%h = h / max(growth, 0.2_dp)
         end if
     end subroutine advance_ode45
-
-    !> One trial of size h: the new state, and the error of the embedded method in units in which the relative
-    !> tolerance is the limit.
-    subroutine try_step(self, h, y_new, error, status)
-        class(ode45_t), intent(inout) :: self
-        real(dp), intent(in) :: h
-        real(dp), intent(out) :: y_new(max_states), error
-        integer, intent(out) :: status
-
-        error = huge(1.0_dp)
-        call find_stages(self%run_state_t, self%table, h, self%k, y_new, status)
-        if (.not. is_ok(status)) return
-        error = h * maxval(abs(stage_sum(self%k, self%table%error, self%table%stages)) &
-                           / self%weight%matlab_magnitude(self%y, y_new))
-        if (.not. is_finite(error)) status = status_non_finite
-    end subroutine try_step
 
     !> Dense output of order 4 within the last step.
     function state_within_ode45(self, t) result(y)

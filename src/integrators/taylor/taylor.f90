@@ -110,7 +110,7 @@ contains
 
         real(dp) :: rate
 
-        call self%set_weight()
+        call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
         ! Products of two variables are multiplied by a rate over a momentum at most, or by a torque.
@@ -198,7 +198,7 @@ contains
     subroutine begin_quadruple(self, status)
         class(taylor_quadruple_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        call self%set_weight()
+        call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         associate (exact => self%formulation%quadruple_start())
             if (is_zero(self%t) .and. any(abs(exact) > 0)) self%rest = real(exact - self%y, dp)
         end associate
@@ -211,13 +211,18 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(qp) :: y(max_states)
         real(dp) :: h, t_new, y_new(max_states), rest(max_states)
+        integer :: i
         logical :: changed
 
         y = self%rest + real(self%y, qp)
         call self%formulation%expand_quadruple(self%t, y, max_series_order, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + max_series_order
         self%slope = real(self%coefficient(:, 1), dp)
-        h = length_of_quadruple(self)
+        h = self%t_end - self%t
+        associate (q => self%formulation%attitude)
+            call shorten(self, [(i, i=q, q + 3)], h)
+            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%weight%states)], h)
+        end associate
         status = status_non_finite
         if (.not. is_finite(h)) return
         status = status_step_too_small
@@ -234,19 +239,8 @@ contains
         status = status_ok
     end subroutine advance_quadruple
 
-    !> The time at which one of the last two terms reaches the tolerance, relative to the magnitude of the
-    !> attitude, or of the momentum; not finite if a term is not.
-    pure real(dp) function length_of_quadruple(self) result(h)
-        class(taylor_quadruple_t), intent(in) :: self
-        integer :: i
-        h = self%t_end - self%t
-        associate (q => self%formulation%attitude)
-            call shorten(self, [(i, i=q, q + 3)], h)
-            call shorten(self, [(i, i=1, q - 1), (i, i=q + 4, self%weight%states)], h)
-        end associate
-    end function length_of_quadruple
-
-    !> Reduces a step to the size that components of equal units allow.
+    !> Reduces a step to the time at which one of the last two terms reaches the tolerance, relative to the magnitude of components
+    !> of equal units, attitude or momentum; not finite if a term is not.
     pure subroutine shorten(self, like, h)
         class(taylor_quadruple_t), intent(in) :: self
         integer, intent(in) :: like(:)

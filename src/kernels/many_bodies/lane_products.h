@@ -1,5 +1,5 @@
 // Products of power series, one pair in each lane of a vector, see bernstein.f90; and the slope of the squared support
-// force, which is made of them, see watched_quantities.f90.
+// force, which is made of them, see lane_watch.f90.
 //
 // Two terms are computed at once, which have most operands in common.
 

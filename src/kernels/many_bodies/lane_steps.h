@@ -10,10 +10,11 @@ inlined vector size_of_rows(const double *row, int from, int to) {
 }
 
 // The time at which one of the last two terms of the series reaches the tolerance, in units of what it may be; at most `growth`
-// times that of the last step, and stretched to the end if this suffices. `size` is not finite if the terms are not.
+// times that of the last step, and stretched to the end if this suffices. `trouble` is 0, or why a lane takes no step: 1 if that
+// would be shorter than `shortest` times the time, or if there were `most` steps, 2 if the terms are not finite.
 static void choose_durations(int order, double absolute, double relative, double growth, double safety, double stretch,
-                             const double *c, const double *scale, const double *t, const double *t_end, double *h,
-                             double *duration, double *size) {
+                             double shortest, int64_t most, const double *c, const double *scale, const double *t,
+                             const double *t_end, const int64_t *steps, double *h, double *duration, int64_t *trouble) {
     const double of_attitude = 1 / (absolute + relative), of_last = -1.0 / order, of_before = -1.0 / (order - 1);
     for (int lane = 0; lane < lanes; lane += width) {
         const double *last = c + term * order + lane, *before = last - term;
@@ -29,7 +30,10 @@ static void choose_durations(int order, double absolute, double relative, double
         const vector next = where(growth * old < wanted, growth * old, wanted);
         put(h + lane, 0, next);
         put(duration + lane, 0, where(stretch * next >= left, left, next));
-        put(size + lane, 0, a + b);
+        const bits is_finite = a + b <= DBL_MAX, is_long = next > shortest * load(t + lane);
+        for (int i = 0; i < width; ++i) {
+            trouble[lane + i] = !is_finite[i] ? 2 : !is_long[i] || steps[lane + i] >= most;
+        }
     }
 }
 

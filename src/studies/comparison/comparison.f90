@@ -20,13 +20,12 @@ module spintop_comparison
     use spintop_planning, only: make_plan, plan_t
     use spintop_problems, only: problems_t
     use spintop_progress, only: progress_t
-    use spintop_projection, only: project_nothing, projection_names
     use spintop_ranks, only: ranks_t
     use spintop_trial, only: reference_t, trial_t
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: describe_scene, scene_t
     use spintop_status, only: is_ok, last_status, status_ok
-    use spintop_stepper, only: method_info_t
+    use spintop_stepper, only: method_info_t, project_nothing, projection_names
     use spintop_suggestions, only: own_name
     use spintop_summary, only: rounded, summary_t
     use spintop_journaled_table, only: table_file_t

@@ -234,8 +234,7 @@ contains
         type(case_t), intent(in) :: case !! the case of that motion
         real(dp), intent(out) :: t_end !! where the motion ends, s
         integer, intent(inout) :: status !! why the search, at the time `self%t`, did not come to that end; else unchanged
-        call self%begin(case%body, path%exact%at(0.0_dp))
-        call self%judge(case%body, case%start)
+        call self%begin(case%body, path%exact%at(0.0_dp), case%start)
         call self%find_events(path, case%t_end)
         t_end = case%t_end
         if (self%has_enough) then

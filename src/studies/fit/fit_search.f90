@@ -406,7 +406,7 @@ contains
     contains
 
         !> The standard deviation of some numbers, which a few wrong ones do not change much.
-        pure real(dp) function deviation(numbers)
+        real(dp) function deviation(numbers)
             real(dp), intent(in) :: numbers(:)
             deviation = 0
             if (size(numbers) > 1) deviation = robust_deviation(numbers - sum(numbers) / size(numbers), 1)

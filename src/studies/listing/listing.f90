@@ -11,7 +11,7 @@ module spintop_listing
     use spintop_stability_study, only: hard_cases
     use spintop_json, only: json_t
     use spintop_kinds, only: dp
-    use spintop_methods, only: create_stepper, exact_info, method_infos, method_aliases
+    use spintop_methods, only: can_run, create_stepper, exact_info, method_infos, method_aliases
     use spintop_parameter, only: kind_integer, kind_logical, kind_long, kind_real
     use spintop_parameter_print, only: list_parameters
     use spintop_parameters, only: parameter_table_t
@@ -23,7 +23,6 @@ module spintop_listing
     use spintop_studies, only: create_study, listed_studies
     use spintop_study, only: study_t
     use spintop_study_column, only: categorical
-    use spintop_suitability, only: can_run
     use spintop_terminal, only: output_width
     use spintop_text, only: string_t, did_you_mean, join, append, to_text, wrapped
     use spintop_units, only: find_unit, suffixes_of

@@ -161,14 +161,14 @@ contains
     end function half_angle_change
 
     !> Whether the axis is so close to a pole at one of two attitudes, or moves so far in between, that it may pass
-    !> the pole or circle about it. Each part of a quaternion moves at half the angular velocity; twice that is
-    !> admitted.
+    !> the pole or circle about it, or whether it is beside one. Each part of a quaternion moves at half the angular
+    !> velocity; twice that is admitted.
     pure logical function may_meet_pole(q_last, omega_last, q, omega, h)
         real(dp), intent(in) :: q_last(4), omega_last(3), q(4), omega(3), h
             !! quaternion and angular velocity in body axes, rad/s, at the beginning; the same at the end;
             !! time, s
         real(dp) :: reach, least
-        reach = h**2 * max(sum(omega_last**2), sum(omega**2)) * max(sum(q_last**2), sum(q**2))
+        reach = max(h**2 * max(sum(omega_last**2), sum(omega**2)), beside_pole**2) * max(sum(q_last**2), sum(q**2))
         least = min(q_last(1)**2 + q_last(4)**2, q_last(2)**2 + q_last(3)**2, q(1)**2 + q(4)**2, q(2)**2 + q(3)**2)
         may_meet_pole = .not. least > reach
     end function may_meet_pole

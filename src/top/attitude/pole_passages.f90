@@ -6,15 +6,15 @@
 !> so on, for each pole by itself; phi + psi at the upper pole and phi - psi at the lower one go on continuously. So angles
 !> of a plane motion neither precess nor depend on rounding errors, on the method or on the azimuth of the start.
 !>
-!> All ways of following the angles decide passages here: along the steps of a method, in lanes, along the closed form of a
-!> free body and in other axes. The closed form of a top counts its passages (`symmetric_attitude`).
+!> All ways of following the angles decide passages here: the counter of turns, and lanes. The closed form of a top counts its
+!> passages (`symmetric_attitude`).
 module spintop_pole_passages
-    use spintop_attitude, only: angles_from_quaternion, follow_angles, nearest_turn, to_space
+    use spintop_attitude, only: angles_from_quaternion, nearest_turn, to_space
     use spintop_kinds, only: dp, pi, cross
     use spintop_motion, only: motion_t, passages_t
     implicit none
     private
-    public :: way_t, follow_motion, half_turns, in_pole, is_at_pole, pass_pole, settle_angles, settle_passage, through_pole
+    public :: way_t, half_turns, in_pole, pass_pole, settle_passage, through_pole
 
     !> A pole that is passed at a smaller distance is passed through, rad: beyond the rounding errors of long motions.
     real(dp), parameter :: through_pole = 2.0_dp**(-35)
@@ -137,48 +137,5 @@ contains
         if (passed%arrived) near = [phi, near(2), nearest_turn(near(3) + side * (near(1) - phi), angle(3))]
         angle = near
     end subroutine pass_pole
-
-    !> Whether angles that were followed to an instant are to be settled as if body z passed through a pole: they are not
-    !> certain, it was in one or is beside one, or passes through it at a distance.
-    pure logical function is_at_pole(sure, beside, passed, reach)
-        logical, intent(in) :: sure, beside !! whether the turns are certain; whether body z is beside a pole at the instant
-        type(passages_t), intent(in) :: passed !! the passages before
-        real(dp), intent(in) :: reach !! the distance up to which a pole is passed through, rad
-        is_at_pole = beside .or. passed%arrived .or. reach > through_pole .or. .not. sure
-    end function is_at_pole
-
-    !> Settles angles that were followed between two instants of a motion, whose accelerations are given: those of a passage,
-    !> if there is one.
-    pure subroutine settle_angles(last, next, start, reach, passed, angle, sure)
-        type(motion_t), intent(in) :: last, next !! the instants
-        real(dp), intent(in) :: start(3) !! phi, theta, psi at the first, rad
-        real(dp), intent(in) :: reach !! the distance up to which the pole is passed through, rad
-        type(passages_t), intent(inout) :: passed !! the passages before the first on entry, before the second on return
-        real(dp), intent(inout) :: angle(3) !! those at the second, rad
-        logical, intent(inout) :: sure !! whether the turns are certain
-        real(dp) :: passing(3)
-        logical :: is_decided
-        sure = sure .and. .not. passed%arrived
-        passing = start
-        call pass_pole(last, next, reach, passed, passing, is_decided)
-        if (is_decided) angle = passing
-        sure = sure .or. is_decided
-    end subroutine settle_angles
-
-    !> Continues angles from an instant of a motion to another one, whose accelerations are given.
-    pure subroutine follow_motion(last, next, reach, passed, angle, sure)
-        type(motion_t), intent(in) :: last, next !! the instants
-        real(dp), intent(in) :: reach !! the distance up to which a pole is passed through, rad
-        type(passages_t), intent(inout) :: passed !! the passages before the first on entry, before the second on return
-        real(dp), intent(inout) :: angle(3) !! phi, theta, psi at the first on entry, at the second on return, rad
-        logical, intent(out) :: sure !! whether the turns are certain
-        real(dp) :: h, start(3)
-        logical :: beside
-        h = abs(next%t - last%t)
-        start = angle
-        call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, angle, sure, beside, &
-                           reshape([last%omega_rate, next%omega_rate], [3, 2]))
-        if (is_at_pole(sure, beside, passed, reach)) call settle_angles(last, next, start, reach, passed, angle, sure)
-    end subroutine follow_motion
 
 end module spintop_pole_passages

@@ -9,6 +9,7 @@ module spintop_nutation_recorder
     use spintop_events, only: event_t
     use spintop_kernel_types, only: lane_body_t
     use spintop_lane_series, only: lanes, parts
+    use spintop_lane_watch, only: watched_t
     use spintop_measures, only: class_tolerance, lower, measures_t, point_of, quantities_of => quantities, upper, &
         watch_centre_height, watch_nutation_rate, watch_precession_rate, watch_total_force, watch_turning, &
         watch_vertical_force, watches
@@ -20,7 +21,6 @@ module spintop_nutation_recorder
     use spintop_poles, only: exactly_plane, polar_precession_rate, swings_over_poles
     use spintop_quantities, only: angular_acceleration
     use spintop_taylor_lanes, only: set_body
-    use spintop_watched_quantities, only: watched_t
     implicit none
     private
     public :: nutation_recorder_t
@@ -104,7 +104,6 @@ contains
         given = motion
         if (.not. self%case%body%given%differ) return
         given = self%case%turn%back(motion, motion%given_angle)
-        given%passed = motion%given_passed
         ! In a pole the attitude does not tell phi and psi.
         if (given%passed%arrived) given%angle(1:3:2) = motion%given_angle(1:3:2)
     end function as_given

@@ -10,21 +10,19 @@ module spintop_sweep_lanes
     use spintop_formulation, only: formulation_info_t
     use spintop_integration, only: outcome_t
     use spintop_kinds, only: dp, is_equal, is_finite, is_zero, no_number, pi
-    use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t
+    use spintop_lane_watch, only: count_turns, keep_extremes, lane_watch_t, watched_t
     use spintop_lyapunov, only: growth_lanes_t
     use spintop_measures, only: measures_t, quantities, watch_nothing, watch_theta, watch_turning, watches
     use spintop_motion, only: motion_t
     use spintop_pole_passages, only: through_pole
     use spintop_poles, only: nearly_plane, swings_over_poles
-    use spintop_projection, only: project_nothing
     use spintop_status, only: is_good_end, status_non_finite, status_step_too_small
-    use spintop_stepper, only: controls_t
+    use spintop_stepper, only: controls_t, project_nothing
     use spintop_sweep_quantities, only: engine_t, lacks_motion, slot_t, task_t, compute_stability, find_free_constants, &
         precession_period, set_azimuth, set_end, set_fast_top, set_measured, watched_for
     use spintop_sweep_result, only: at_evaluations, kinds_of_work, note_no_stop, of_class, of_energy, of_fast_top, of_fastest, &
         of_force, of_lyapunov, of_measured, of_nutation_rate, of_period, of_range, of_singular, of_turns, of_vertical_force
     use spintop_taylor_lanes, only: integrate_many, lane_monitor_t, lanes, monitor_slot_t, taylor_lanes_t
-    use spintop_watched_quantities, only: watched_t
     implicit none
     private
     public :: sweep_lanes_t

@@ -13,7 +13,7 @@ from matplotlib.text import Annotation, Text
 from matplotlib.transforms import Bbox
 
 from spintop_figures.style.look import DEFAULT, the_look
-from spintop_figures.style.saving import lay_out
+from spintop_figures.style.page import lay_out
 
 FORMULA = re.compile(r"\$[^$]*\$")
 RAW = re.compile(r"\b[a-z]\w*_\w+|\b[a-z]\w*\.[a-z]\w*|\b[a-z]\w+\(\d\)|e[-+]\d\d\b|\d-\d", re.I)

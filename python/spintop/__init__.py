@@ -12,7 +12,6 @@ release the global interpreter lock, and any thread may call anything.
 
 from spintop.animation import Animation, animate
 from spintop.exports import export
-from spintop.fits import fit
 from spintop.library import (
     InputError,
     InputWarning,
@@ -22,7 +21,7 @@ from spintop.library import (
     library,
 )
 from spintop.results import Result, Table
-from spintop.runs import plot, read, registry, run, sweep
+from spintop.runs import fit, plot, read, registry, run, sweep
 from spintop.tops import Body, Motion, Top, tops
 
 __all__ = [

@@ -67,10 +67,8 @@ def animate(table: "Table | str | Path") -> Animation:
     It needs the columns `phi theta psi` or `q0` to `q3`; others are shown where they are there. A
     TypeError says why a table cannot be shown.
     """
-    from spintop_figures.moving.data import pack_all
-    from spintop_figures.moving.motion import facts_text, refusal
-    from spintop_figures.tables.own_units import in_own_units
-    from spintop_figures.tables.table import read_table
+    from spintop_figures.moving.motion import facts_text, pack_all, refusal
+    from spintop_figures.tables.table import in_own_units, read_table
 
     if isinstance(table, str | Path):
         table = read_table(Path(table))

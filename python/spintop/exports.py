@@ -94,20 +94,19 @@ def msopck(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     return lines(times, w, -x, -y, -z, *(omega if len(omega) == len(OMEGA) else []))
 
 
-def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Corners and colours of an inverted cone of height 1, three per triangle; and the normals."""
+def cone(corners: int = 32) -> tuple[np.ndarray, np.ndarray]:
+    """Corners and colours of an inverted cone of height 1, three per triangle.
+
+    Its faces are flat, for which viewers find the normals.
+    """
     turns = 2 * math.pi * np.arange(corners + 1) / corners
     rim = np.stack([np.cos(turns) / 2, np.sin(turns) / 2, np.ones(corners + 1)], axis=1)
     tip, top = np.zeros((corners, 3)), np.tile([0.0, 0.0, 1.0], (corners, 1))
-    side, lid = (
-        np.stack(each, axis=1) for each in ((tip, rim[1:], rim[:-1]), (top, rim[:-1], rim[1:]))
-    )
-    triangles = np.concatenate([side, lid])
-    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    faces = (tip, rim[1:], rim[:-1]), (top, rim[:-1], rim[1:])  # the side and the lid
+    triangles = np.concatenate([np.stack(each, axis=1) for each in faces])
     colours = np.tile([0.55, 0.65, 0.8, 1.0], (2 * corners, 1))
     colours[[0, corners]] = [0.8, 0.1, 0.1, 1.0]
-    return triangles.reshape(-1, 3), np.repeat(normals, 3, 0), np.repeat(colours, 3, 0)
+    return triangles.reshape(-1, 3), np.repeat(colours, 3, 0)
 
 
 def attitudes(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> np.ndarray:
@@ -132,7 +131,7 @@ def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     """A scene of glTF 2.0 in one binary file."""
     turns, times = attitudes(times, columns), (times - times[0]).astype("<f4")
     refuse(np.diff(times) <= 0, "its time is that of the row before in single precision")
-    kinds = ("VEC3", "VEC3", "VEC4", "SCALAR", "VEC4")
+    kinds = ("VEC3", "VEC4", "SCALAR", "VEC4")
     blob, views, accessors = b"", [], []
     for number, (array, kind) in enumerate(zip((*cone(), times, turns), kinds, strict=True)):
         data = np.ascontiguousarray(array, dtype="<f4").reshape(len(array), -1)
@@ -144,7 +143,7 @@ def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
     half = math.sqrt(0.5)
     motion = {
         "name": "motion",
-        "samplers": [{"input": 3, "output": 4, "interpolation": "LINEAR"}],
+        "samplers": [{"input": 2, "output": 3, "interpolation": "LINEAR"}],
         "channels": [{"sampler": 0, "target": {"node": 1, "path": "rotation"}}],
     }
     scene = {
@@ -155,7 +154,7 @@ def glb(times: np.ndarray, columns: Mapping[str, np.ndarray]) -> bytes:
             {"name": "space", "rotation": [-half, 0, 0, half], "children": [1]},
             {"name": "top", "mesh": 0, "rotation": turns[0].tolist()},
         ],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}}]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "COLOR_0": 1}}]}],
         "animations": [motion],
         "buffers": [{"byteLength": len(blob)}],
         "bufferViews": views,

@@ -18,12 +18,8 @@ Group = Mapping[str, Any] | Sequence[Mapping[str, Any]]
 """Keys with their values; a group that stands more than once, as `part`, is a list of such."""
 Input = str | Path | Mapping[str, Group]
 """A path of an input, the text of one (with at least one `&`), or its groups as a dictionary."""
-MOST_THREADS = 4096
-"""Threads that may be asked for."""
-NAME = re.compile(r"[a-z]\w*", re.ASCII | re.IGNORECASE)
-"""A group of an input."""
-KEY = re.compile(r"[a-z]\w*( *\([\d:, ]*\))?", re.ASCII | re.IGNORECASE)
-"""A key of an input, or elements of it: `inertia`, `values(1,:)`."""
+KEY = re.compile(r"([a-z]\w*)( *\([\d:, ]*\))?", re.ASCII | re.IGNORECASE)
+"""A group or a key of an input, or elements of a key: `inertia`, `values(1,:)`."""
 PLACED = re.compile(r"input(?::\d+:\d+)?: ((?:error|warning): .*)")
 """The first line of a message of the program with its place."""
 SHOWN = re.compile(r" *\d* \|(?: *\^+(\.\.\.)?)?(?P<hint> .*)?")
@@ -62,8 +58,8 @@ def names_in(names: str | Sequence[str]) -> tuple[str, ...]:
 
 def thread_count(threads: int) -> int:
     """A number of threads, as the library takes it."""
-    if threads not in range(MOST_THREADS + 1):
-        raise InputError(f"threads = {threads}: 0 (all cores) to {MOST_THREADS}", code=2)
+    if threads not in range(4097):
+        raise InputError(f"threads = {threads}: 0 (all cores) to 4096", code=2)
     return int(threads)
 
 
@@ -103,12 +99,6 @@ def assignments(key: str, value: Any) -> list[str]:
     return [f"{key} = {', '.join(literal(element) for element in value)}"]
 
 
-def check_name(name: Any, form: re.Pattern[str], what: str) -> None:
-    """Refuse what is no name, as it would be read as something else in a namelist."""
-    if not isinstance(name, str) or form.fullmatch(name) is None:
-        raise InputError(f"{name!r} is no name of a {what}", code=2)
-
-
 def check_groups(keys: Any, what: str) -> None:
     """Refuse what has no names with their values, as a dictionary or a frame of pandas has."""
     if not hasattr(keys, "items"):
@@ -118,10 +108,12 @@ def check_groups(keys: Any, what: str) -> None:
 
 def lines_of(group: str, keys: Mapping[str, Any]) -> list[str]:
     """The lines of a group: a line per assignment; None omits a key."""
-    check_name(group, NAME, "group")
     check_groups(keys, f"&{group}")
-    for key in keys:
-        check_name(key, KEY, "key")
+    for name, what in ((group, "group"), *((key, "key") for key in keys)):
+        # another one would be read as something else in a namelist
+        form = KEY.fullmatch(name) if isinstance(name, str) else None
+        if form is None or (what == "group" and form[2]):
+            raise InputError(f"{name!r} is no name of a {what}", code=2)
     given = (assignments(key, value) for key, value in keys.items() if value is not None)
     return [f"&{group}", *(f"    {line}" for line in chain.from_iterable(given)), "/"]
 

@@ -80,15 +80,14 @@ class Columns(Mapping[str, np.ndarray]):
 
         dimensions = self._dimensions()
         names = tuple(dimensions)
-        told = {name: self._attributes(name) for name in (*self, *names)}
+        known = (("units", self.units), ("long_name", self.meanings))
+        told = {
+            name: {key: texts[name] for key, texts in known if name in texts}
+            for name in (*self, *names)
+        }
         columns = {name: (names, self[name], told[name]) for name in self if name not in names}
         along = {name: (name, values, told[name]) for name, values in dimensions.items()}
         return xr.Dataset(columns, along)
-
-    def _attributes(self, name: str) -> dict[str, str]:
-        """The unit and meaning of a column for xarray."""
-        given = {"units": self.units.get(name), "long_name": self.meanings.get(name)}
-        return {key: text for key, text in given.items() if text is not None}
 
     def _repr_html_(self) -> str:
         """The columns in a notebook: the first rows and the last."""
@@ -165,15 +164,14 @@ class Figures(dict[str, Any]):
 
     def _repr_html_(self) -> str:
         """The figures, one below the other, as pictures with their names."""
-        return "\n".join(f"<p>{html.escape(name)}</p>\n{picture(self[name])}" for name in self)
-
-
-def picture(figure: Any) -> str:
-    """A figure of matplotlib as an element of a page."""
-    page = io.BytesIO()
-    figure.savefig(page, format="png", dpi=110)
-    data = base64.b64encode(page.getvalue()).decode()
-    return f'<img alt="" style="max-width: 100%" src="data:image/png;base64,{data}">'
+        lines = []
+        for name, figure in self.items():
+            page = io.BytesIO()
+            figure.savefig(page, format="png", dpi=110)
+            data = base64.b64encode(page.getvalue()).decode()
+            look = f'alt="" style="max-width: 100%" src="data:image/png;base64,{data}"'
+            lines.append(f"<p>{html.escape(name)}</p>\n<img {look}>")
+        return "\n".join(lines)
 
 
 class Result:
@@ -197,22 +195,16 @@ class Result:
         found = [Table(result.tables[i], owner, grid) for i in range(result.table_count)]
         self.tables = {table.name: table for table in found}
         """The tables by name."""
+        self.events = self.tables.get("events")
+        """The events of a trajectory; None if the input lists none."""
+        self.statistics = self.tables.get("statistics")
+        """The statistics of a sweep; None if the input asks for none."""
         self._name = Path(name).stem
 
     @cached_property
     def rows(self) -> Table:
         """The table of the run: a row per sample of a trajectory, or per case of a sweep."""
         return self.tables["rows"]
-
-    @cached_property
-    def events(self) -> Table | None:
-        """The events of a trajectory; None if the input lists none."""
-        return self.tables.get("events")
-
-    @cached_property
-    def statistics(self) -> Table | None:
-        """The statistics of a sweep; None if the input asks for none."""
-        return self.tables.get("statistics")
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column of `rows`."""

@@ -1,17 +1,31 @@
-"""Runs of inputs, and sweeps over arrays."""
+"""Runs of inputs, sweeps over arrays and fits: long calls, with progress and an end by Ctrl-C."""
 
 import ctypes
 import json
-from collections.abc import Container, Mapping, Sequence
+import sys
+import tempfile
+import threading
+from collections.abc import Callable, Container, Mapping, Sequence
+from concurrent.futures import Future, wait
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.calls import Progress, call
-from spintop.inputs import Input, names_in, numbers, plain, read_input, thread_count, without_places
+from spintop.inputs import (
+    Input,
+    check_groups,
+    names_in,
+    numbers,
+    plain,
+    read_input,
+    thread_count,
+    without_places,
+)
 from spintop.library import (
+    PROGRESS,
     CResult,
     InputError,
     bytes_of,
@@ -24,6 +38,62 @@ from spintop.results import Figures, Result
 
 if TYPE_CHECKING:
     from spintop_figures.tables.table import Table as FileTable
+
+
+Progress = bool | Callable[[float], object]
+"""True for a line on standard error, or a function of the share that is done, from 0 to 1."""
+PAUSE = 0.1
+"""Seconds between two reports of the progress, and until a signal is handled at the latest."""
+
+
+def call(function: Callable[..., Any], *arguments: Any, progress: Progress = False) -> Any:
+    """Call a function of the library that may take long, in a thread of its own.
+
+    The calling thread waits for signals and reports. What interrupts it, as Ctrl-C does, stops the
+    call. A signal does not end a waiting that begins just after it, nor is the waiting thread told
+    of one that another takes: it looks for signals after each pause.
+    """
+    if progress is not True and progress and not callable(progress):
+        raise InputError("progress is True, or a function of the share that is done", code=2)
+    report = show if progress is True else progress or (lambda share: None)
+    done, stops, ended = 0.0, False, Future()
+
+    def answer(share: float, _: object) -> int:
+        """Note how far the call is, and say whether it is to stop."""
+        nonlocal done
+        done = share
+        return int(stops)
+
+    asks = PROGRESS(answer)
+
+    def work() -> None:
+        try:
+            library().spintop_on_progress(asks, None)
+            ended.set_result(function(*arguments))
+        except BaseException as error:
+            ended.set_exception(error)
+
+    # A thread whose `join` is interrupted is taken to have ended by some versions of Python.
+    thread = threading.Thread(target=work, daemon=True)
+    try:
+        thread.start()
+        while not wait([ended], PAUSE).done:
+            report(done)
+    except BaseException:
+        stops = True
+        while thread.ident and not ended.done():
+            with suppress(KeyboardInterrupt):
+                wait([ended])
+        raise
+    result = ended.result()
+    report(1.0)
+    return result
+
+
+def show(share: float) -> None:
+    """Show the share that is done, in one line."""
+    end = "\n" if share >= 1 else ""
+    print(f"\rspintop: {share:4.0%}", end=end, file=sys.stderr, flush=True)
 
 
 def run(
@@ -91,7 +161,10 @@ def sweep(
     one case. `columns`, `progress` and Ctrl-C are as for `run`.
     """
     given = with_columns(given, columns)
-    text, name = read_input(as_sweep(given))
+    study = given.get("study", {}) if isinstance(given, Mapping) else None
+    if isinstance(study, Mapping):
+        given = {**given, "study": {"kind": "sweep", **study}}
+    text, name = read_input(given)
     named = {name: np.atleast_1d(numbers(values, name)) for name, values in parameters.items()}
     try:
         arrays = [np.ascontiguousarray(array) for array in np.broadcast_arrays(*named.values())]
@@ -107,16 +180,6 @@ def sweep(
     return Result(result, name, grid)
 
 
-def as_sweep(given: Input) -> Input:
-    """An input of groups whose kind of study, where it has none, is a sweep."""
-    if not isinstance(given, Mapping):
-        return given
-    study = given.get("study", {})
-    if not isinstance(study, Mapping) or "kind" in study:
-        return given
-    return {**given, "study": {"kind": "sweep", **study}}
-
-
 def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
     """The dimensions of arrays that are broadcast together, with the values along each.
 
@@ -125,15 +188,14 @@ def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str
     grid: dict[str, np.ndarray] = {}
     for axis, length in enumerate(shape):
         alone = tuple(length if i == axis else 1 for i in range(len(shape)))
-        along = (name for name, array in named.items() if name not in grid and fits(array, alone))
-        name = next(along, f"axis{axis + 1}")
+        along = (
+            name
+            for name, array in named.items()
+            if array.size > 1 and (1,) * (len(shape) - array.ndim) + array.shape == alone
+        )
+        name = next((name for name in along if name not in grid), f"axis{axis + 1}")
         grid[name] = named[name].ravel() if name in named else np.arange(length)
     return grid
-
-
-def fits(array: np.ndarray, shape: tuple[int, ...]) -> bool:
-    """Whether an array has a shape, in which leading dimensions of length 1 may be left out."""
-    return array.size > 1 and (1,) * (len(shape) - array.ndim) + array.shape == shape
 
 
 def registry(topic: str = "") -> Any:
@@ -144,7 +206,7 @@ def registry(topic: str = "") -> Any:
     try:
         return json.loads(ctypes.string_at(text))
     finally:
-        free(text)
+        ctypes.CDLL(None).free(ctypes.c_void_p(text))
 
 
 def find_column(there: Container[str], name: str, unit: str) -> tuple[str, float]:
@@ -157,13 +219,6 @@ def find_column(there: Container[str], name: str, unit: str) -> tuple[str, float
     others = registry("columns")["column_units"] if unit else ()
     names = {f"{name}_{each['suffix']}": each["size"] for each in others if each["of"] == unit}
     return next(((known, size) for known, size in names.items() if known in there), ("", 1.0))
-
-
-def free(address: int) -> None:
-    """Free memory that the library allocated for its caller."""
-    release = ctypes.CDLL(None).free
-    release.argtypes = [ctypes.c_void_p]
-    release(address)
 
 
 def read(path: str | Path) -> "FileTable":
@@ -193,3 +248,82 @@ def plot(table: "FileTable | str | Path", *names: str, **options: object) -> Fig
     if problems:
         raise TableError("; ".join(problems))
     return Figures((kind.name, kind.draw(table, asked)) for kind in kinds)
+
+
+def fit(
+    data: Mapping[str, ArrayLike],
+    unknown: str | Sequence[str],
+    given: Mapping[str, Mapping[str, Any]],
+    *,
+    sigma: float | Sequence[float] | Mapping[str, ArrayLike] | None = None,
+    profile: bool = True,
+    progress: Progress = False,
+) -> Result:
+    """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
+
+    `data` has the times (s) and columns of trajectories, in their units, or in those that their
+    names end in, as `{"t_ms": [...], "theta_deg": [...]}`; a pandas frame will do. `nan` is no
+    reading. `unknown` names the sought numbers, as `top.inertia(3)` or `offset.theta`; their values
+    in `given`, the groups of the input, are where the search begins. `sigma` is the standard
+    deviation of all columns or of each, in their units, in their order or by their names, where an
+    array has one per row; without it one that is common to all is estimated. The tables of the
+    result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
+    not `ok` if the search does not converge, the data do not determine the parameters, or the
+    motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups `sensor`
+    may stand in `given`. The `warnings` of the result say what is odd about the data and the
+    residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and intervals.
+    """
+    check_groups(data, "data")
+    check_groups(given, "given")
+    columns, time = measurements(data)
+    if isinstance(sigma, Mapping):
+        columns |= deviations(sigma, columns, time)
+        sigma = None
+    own = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
+    scene = {name.lower(): keys for name, keys in given.items()}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "measured.csv"
+        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+        lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+        own = {"study": {"kind": "fit"}, "fit": {"data": str(path), **own}}
+        for name, keys in own.items():
+            others = {key.lower(): value for key, value in scene.get(name, {}).items()}
+            if twice := [key for key in keys if key in others and (name, key) != ("study", "kind")]:
+                raise InputError(f"{name}.{twice[0]} is an argument of fit", code=2)
+            scene[name] = others | keys
+        with without_places(scene, str(path)):
+            text, name = read_input(scene)
+            result = Result(call_run(text, name, None, 0, progress), name)
+        result.warnings = plain(result.warnings, str(path))
+        return result
+
+
+def measurements(data: Mapping[str, ArrayLike]) -> tuple[dict[str, np.ndarray], str]:
+    """The columns of measurements, of one length, and which is that of their times."""
+    time = find_column(data, "t", "s")[0]
+    if not time:
+        raise InputError("the measurements have no times: give t, in s from the start", code=2)
+    columns = {name: numbers(values, name) for name, values in data.items()}
+    for name, column in columns.items():
+        if column.ndim != 1 or column.shape != columns[time].shape:
+            shapes = f"{name} has the shape {column.shape}, but {time} {columns[time].shape}"
+            raise InputError(shapes, code=2)
+    return columns, time
+
+
+def deviations(
+    sigma: Mapping[str, ArrayLike], columns: Mapping[str, np.ndarray], time: str
+) -> dict[str, np.ndarray]:
+    """Standard deviations by the names of columns, as columns with one per row."""
+    measured, found = [name for name in columns if name != time], {}
+    for name in [*sigma, *measured]:
+        if name not in measured:
+            raise InputError(f"sigma: {name} is not measured", code=2)
+        if name not in sigma:
+            raise InputError(f"sigma: that of {name} is missing", code=2)
+        values = numbers(sigma[name], f"sigma of {name}")
+        if values.shape not in ((), columns[time].shape):
+            raise InputError(f"sigma: {name} has the shape {values.shape}", code=2)
+        found[f"{name}_sigma"] = np.broadcast_to(values, columns[time].shape)
+    return found

@@ -50,9 +50,6 @@ MOVING = (
 )
 """The columns that the viewer of a motion shows."""
 
-MOST_HANDLES = 16
-"""Methods and columns with which a top was asked that it keeps."""
-
 
 class Motion(Columns):
     """The motion at some times: `motion["theta"]` or `motion.theta` is a column.
@@ -230,7 +227,7 @@ class Top:
             groups = self.input(integration=integration, span=span, output=output)
             known = Handle(groups)
             with self._lock:
-                if len(self._handles) >= MOST_HANDLES:
+                if len(self._handles) >= 16:  # more methods and columns are not kept
                     self._handles.pop(next(iter(self._handles)))
                 self._handles[key] = known
         return known

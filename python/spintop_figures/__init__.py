@@ -16,7 +16,7 @@ import importlib
 PLACES = {
     "tables.table": ("Table", "TableError", "read_table"),
     "registry": ("COMPARISONS", "FIGURES", "FigureKind", "choose_figures", "draw"),
-    "style.saving": ("save", "save_as"),
+    "style.page": ("save", "save_as"),
 }
 """The public names by the modules that have them, which are loaded when they are asked for."""
 

@@ -13,10 +13,8 @@ import numpy as np
 
 from spintop_figures.kinds import FigureKind
 from spintop_figures.style.look import DEFAULT, Options
-from spintop_figures.style.saving import save_as
-from spintop_figures.tables.characters import printable
-from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, TableError
+from spintop_figures.style.page import save_as
+from spintop_figures.tables.table import Table, TableError, in_own_units, printable
 
 LARGEST = 1e150
 """Numbers beyond have squares and sums that overflow; a figure of them shows nothing. Of a run that
@@ -88,11 +86,8 @@ def without_overflow(table: Table) -> Table:
     """A run that overflowed without the numbers that are too large; any other table as it is."""
     if not (table.status or "").startswith("non_finite"):
         return table
-    rows = table.rows.copy()
-    for name in rows.columns:
-        if table.numeric(name):
-            rows[name] = rows[name].where(~(rows[name].abs() > LARGEST))
-    return replace(table, rows=rows)
+    numbers = table.rows.select_dtypes("number")
+    return replace(table, rows=table.rows.assign(**numbers.mask(numbers.abs() > LARGEST)))
 
 
 def show_path(path: Path) -> None:

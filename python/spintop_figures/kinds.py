@@ -1,6 +1,6 @@
 """Kinds of figures. A figure is a function with a line that says to which tables it belongs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 from spintop_figures.moving.assumptions import Assumption, broken
 from spintop_figures.style.look import DEFAULT, Options, the_look
 from spintop_figures.style.page import finish
-from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, TableError
+from spintop_figures.tables.table import Table, TableError, in_own_units
 
 
 class FigureKind(NamedTuple):
@@ -69,27 +68,30 @@ COMPARISONS: list[FigureKind] = []
 """Figures of a table, and of several tables together, of each of which they ask the same."""
 
 
-def unless(holds: Callable[[Table], object], reason: str) -> Callable[[Table], str]:
-    """An objection to tables for which something does not hold."""
-    return lambda table: "" if holds(table) else reason
-
-
 def figure(
-    kind: str, needs: str = "", words: str = "", together: bool = False, **asks: object
+    kind: str,
+    needs: str = "",
+    words: str = "",
+    together: bool = False,
+    unless: Mapping[str, Callable[[Table], object]] = {},
+    **asks: object,
 ) -> Callable[[Callable], Callable]:
     """Register `draw_NAME` below as the figure NAME, which is what its docstring says.
 
     It belongs to tables of a kind of study with the columns of numbers that it `needs` and the
-    columns of `words`; `asks` are the other fields of FigureKind. A figure `together` is drawn of
-    several tables.
+    columns of `words`. What it objects to, `unless` something holds, is said in order; `asks` are
+    the other fields of FigureKind. A figure `together` is drawn of several tables.
     """
+
+    def objection(table: Table) -> str:
+        return next((reason for reason, holds in unless.items() if not holds(table)), "")
 
     def register(make: Callable) -> Callable:
         what = make.__doc__.partition("\n")[0].removesuffix(".")
         named = make.__name__.removeprefix("draw_"), what[0].lower() + what[1:]
-        known = FigureKind(
-            *named, kind, tuple(needs.split()), make, words=tuple(words.split()), **asks
-        )
+        asks.setdefault("objection", objection)
+        asked = kind, tuple(needs.split()), make
+        known = FigureKind(*named, *asked, words=tuple(words.split()), **asks)
         (COMPARISONS if together else FIGURES).append(known)
         return make
 

@@ -10,25 +10,19 @@ from matplotlib.figure import Figure
 from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind
 from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options
-from spintop_figures.style.page import new_figure
-from spintop_figures.style.provenance import describe_run
+from spintop_figures.style.page import describe_run, new_figure
 from spintop_figures.tables.names import axis_of, name_of
-from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, TableError
+from spintop_figures.tables.table import Table, TableError, in_own_units
 
-MODULES = {
-    "motion": "trajectory sphere reduced residuals drift fits events",
-    "sweeps": "curves table1 maps scatter statistics",
-    "methods": "trials precision tolerance benchmarks peers",
-}
+MODULES = (
+    *("motion.trajectory", "motion.sphere", "motion.reduced", "motion.residuals", "motion.fits"),
+    *("motion.events", "sweeps.curves", "sweeps.maps", "sweeps.scatter", "sweeps.statistics"),
+    *("methods.trials", "methods.precision", "methods.peers"),
+)
 """Where figures are drawn, in the order in which they are listed."""
 
-for folder, names in MODULES.items():
-    for module in names.split():
-        importlib.import_module(f"spintop_figures.{folder}.{module}")
-
-PLACES = [f"spintop_figures.{f}.{module}" for f in MODULES for module in MODULES[f].split()]
-FIGURES.sort(key=lambda kind: PLACES.index(kind.make.__module__))  # some modules import others
+LOADED = [importlib.import_module(f"spintop_figures.{name}").__name__ for name in MODULES]
+FIGURES.sort(key=lambda kind: LOADED.index(kind.make.__module__))  # some modules import others
 
 PANEL_HEIGHT, ALONE = 1.9, 3.4
 """Of a panel of several and of a single one, in inches."""

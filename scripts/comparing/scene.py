@@ -7,8 +7,8 @@ from pathlib import Path
 
 from comparing.problem import ALIKE, Problem, as_list, product
 from program import SOME_FAILED, ProgramError, call
+from spintop_figures.tables.names import is_good_end
 from spintop_figures.tables.table import Table, read_head, read_table
-from spintop_figures.tables.words import is_good_end
 
 SMALL = 0.01
 """Mass times distance squared over the least moment of inertia, where only the weight is known."""

@@ -13,8 +13,8 @@ from comparing import bodies
 from comparing.crew import Trial
 from comparing.problem import MOTIONS, Problem
 from program import as_table, processor
+from spintop_figures.tables.names import ended_well
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 OWN = "spintop"
 """What the column `program` calls itself."""
@@ -43,15 +43,19 @@ def row_of(trial: Trial, problem: Problem, own: pd.DataFrame) -> dict:
     """A trial as a row beside those of spintop."""
     of_steps = trial.setting >= 1
     found = trial.answer | problem.judge(trial.answer.get("states", ()))
-    return {name: own[name].iloc[0] for name in SHARED if name in own} | {
-        "problem": problem.name,
-        "program": trial.program,
-        "method": trial.method,
-        "formulation": trial.formulation,
-        "setting": f"steps {trial.setting:g}" if of_steps else f"tolerance {trial.setting:.0e}",
-        "rate": trial.setting if of_steps else math.nan,
-        "status": trial.status,
-    } | {name: found[name] for name in MEASURED if found.get(name) is not None}
+    return (
+        {name: own[name].iloc[0] for name in SHARED if name in own}
+        | {
+            "problem": problem.name,
+            "program": trial.program,
+            "method": trial.method,
+            "formulation": trial.formulation,
+            "setting": f"steps {trial.setting:g}" if of_steps else f"tolerance {trial.setting:.0e}",
+            "rate": trial.setting if of_steps else math.nan,
+            "status": trial.status,
+        }
+        | {name: found[name] for name in MEASURED if found.get(name) is not None}
+    )
 
 
 def least(rounds: list[pd.DataFrame]) -> pd.DataFrame:

@@ -12,7 +12,7 @@ from filming.picture import Camera
 from filming.stage import NAMES, View
 from filming.take import FilmError, Part, Take, compute, span_of
 from spintop_figures.files import show_path
-from spintop_figures.tables.characters import printable
+from spintop_figures.tables.table import printable
 
 SIZES = {".gif": (640, 360)}
 SIZE = (1280, 720)

@@ -9,7 +9,7 @@ from reporting.packages import PackageError
 from reporting.page import make_alone, make_page, write_page
 from reporting.study import list_tables, read_study
 from spintop_figures.files import show_path
-from spintop_figures.tables.characters import printable
+from spintop_figures.tables.table import printable
 
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 SCRIPTS = Path(__file__).resolve().parent.parent

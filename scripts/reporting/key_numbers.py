@@ -5,9 +5,8 @@ import numpy as np
 from reporting.words import counted, with_error
 from spintop_figures.motion.events import describe_event
 from spintop_figures.style.numbers import write, write_count, write_fixed
-from spintop_figures.tables.names import name_of, raised, sign_of
+from spintop_figures.tables.names import columns_of, name_of, raised, sign_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import columns_of
 
 MEAN, LEAST, MOST = "_mean", "_min", "_max"
 """Ends of the columns of a table of statistics."""

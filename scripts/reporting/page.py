@@ -19,8 +19,7 @@ from reporting.live_link import live_link
 from reporting.packages import DICTIONARY, PAGE, PackageError, bundle
 from reporting.study import Section
 from reporting.words import of_kind
-from spintop_figures.moving.data import pack_all
-from spintop_figures.moving.motion import facts_text, refusal
+from spintop_figures.moving.motion import facts_text, pack_all, refusal
 from spintop_figures.tables.names import raised
 
 LARGEST, PER_TABLE = 2_000_000, 100_000

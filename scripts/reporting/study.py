@@ -10,15 +10,11 @@ import pandas as pd
 from reporting.cells import BOUND, proved_texts, texts_of
 from reporting.pictures import Picture, pictures_of
 from reporting.words import method_of
-from spintop_figures.moving.data import Data, rows_kept, which_rows
-from spintop_figures.moving.motion import refusal
+from spintop_figures.moving.motion import Data, refusal, rows_kept, which_rows
 from spintop_figures.style.numbers import write_count
-from spintop_figures.style.provenance import describe_end
-from spintop_figures.tables.characters import printable
-from spintop_figures.tables.names import name_of
-from spintop_figures.tables.own_units import in_own_units
-from spintop_figures.tables.table import Table, TableError, read_table
-from spintop_figures.tables.words import ended_well, is_good_end
+from spintop_figures.style.page import describe_end
+from spintop_figures.tables.names import ended_well, is_good_end, name_of
+from spintop_figures.tables.table import Table, TableError, in_own_units, printable, read_table
 
 MOST_CELLS = 4_000
 """Of longer tables only some rows are shown."""

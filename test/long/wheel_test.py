@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from conftest import ROOT, execute, read
-from spintop.levels import features, levels_of
+from spintop.library import features, levels_of
 
 LARGEST = 15_000_000
 """Most bytes of the wheel."""

@@ -12,8 +12,7 @@ from conftest import EXE, execute
 from plot_case import SCRIPTS, TableCase, a_stability, a_sweep, a_trajectory, some_events
 from reporting.study import read_study
 from spintop_figures.moving.body import read_body
-from spintop_figures.tables.characters import printable
-from spintop_figures.tables.table import TableError, read_table
+from spintop_figures.tables.table import TableError, printable, read_table
 
 RED = "\x1b[31m"
 """Turns a terminal red; it stands for all bytes that must not reach one."""

@@ -8,9 +8,8 @@ import pytest
 
 from conftest import GOOD, each, files_of, merge, needs_netcdf, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
-from spintop_figures.sweeps.scatter import object_to_scatter
-from spintop_figures.tables.netcdf import read_netcdf
-from spintop_figures.tables.table import TableError, read_table
+from spintop_figures.registry import FIGURES
+from spintop_figures.tables.table import TableError, read_netcdf, read_table
 
 pytestmark = needs_netcdf
 
@@ -86,7 +85,8 @@ def test_same_numbers_as_the_csv(spin, text, code):
         for name, variable in read_netcdf(run.path.with_suffix(".nc"))[1].items():
             assert variable.dims == ("case",), name
             assert "coordinates" not in variable.attrs
-        assert object_to_scatter(netcdf) == object_to_scatter(csv) == ""
+        scatter = next(kind for kind in FIGURES if kind.name == "scatter")
+        assert scatter.refusal(netcdf) == scatter.refusal(csv) == ""
 
 
 @each("packed", [], pytest.param([PACKED], marks=needs_packed))

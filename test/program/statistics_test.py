@@ -7,7 +7,7 @@ import numpy as np
 from conftest import each, needs_netcdf, wait_until
 from indices_test import VECTOR
 from slow_sweep import SLOW as SWEEP
-from spintop_figures.sweeps.statistics import distributions_of
+from spintop_figures.sweeps.statistics import rows_beside
 from spintop_figures.tables.table import read_table
 
 # Cases that fail (at a pole), cases without a period, two quantities that are binned.
@@ -164,11 +164,9 @@ def test_the_same_numbers_as_netcdf(spin):
         for column in text.rows:
             found, expected = (each.rows[column].to_numpy(float) for each in (table, text))
             np.testing.assert_array_equal(found, expected, err_msg=column)
-        for column, found in distributions_of(table).items():
-            rows = histogram[histogram["column"] == column]
-            np.testing.assert_array_equal(found.cases, rows["cases"])
-            np.testing.assert_array_equal(found.low, rows["from"])
-            np.testing.assert_array_equal(found.high, rows["to"])
+        found = rows_beside(table, "histogram")
+        for column in ("column", "cases", "from", "to"):
+            np.testing.assert_array_equal(found[column], histogram[column])
 
 
 @needs_netcdf

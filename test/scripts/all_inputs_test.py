@@ -12,8 +12,8 @@ import pytest
 
 from conftest import ROOT, execute
 from spintop_figures.registry import FIGURES
+from spintop_figures.tables.names import words_of
 from spintop_figures.tables.table import read_table
-from spintop_figures.tables.words import words_of
 from supplied_inputs import COMPARISONS, FAILING, INPUTS, LARGEST, NEEDS_FLINT, check_tables
 
 pytestmark = pytest.mark.slow

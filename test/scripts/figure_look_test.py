@@ -44,9 +44,16 @@ from spintop_figures.style.axes import Powers, scale_for
 from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
 from spintop_figures.style.numbers import with_comma, write, write_fixed
 from spintop_figures.sweeps.quantities import column_shown, known_quantities
-from spintop_figures.tables.names import axis_of, name_of, sign_of, with_unit
+from spintop_figures.tables.names import (
+    axis_of,
+    column_units,
+    columns_of,
+    name_of,
+    sign_of,
+    units_of_columns,
+    with_unit,
+)
 from spintop_figures.tables.table import Table, TableError
-from spintop_figures.tables.words import column_units, columns_of, units_of_columns
 
 FEW = ("gyrocompass", "kapitza", "damped_top", "slow_top_euler_ode45", "friction_to_rest")
 RUNS = {
@@ -203,18 +210,17 @@ class FigureLookTest(TableCase):
                 assert len(line.get_xdata()) < 10 or lightness(line.get_color()) > 0.45
 
     def test_dark_maps(self) -> None:
-        """A legend of a map has the colours of the map, which are those on white."""
+        """A map and its legend have the colours that they have on white."""
         few = self.compute("kapitza_map", "sweep.count=4,4")
-        narrow = self.put("narrow.csv", a_map(across=40))  # its classes have no room for names
-        for path in (few.path, narrow):
-            looks = []
-            for dark in (False, True):
-                panels = draw(read_table(path), "maps", dark=dark).axes
-                legends = [legend for axes in panels if (legend := axes.get_legend())]
-                handles = [handle for legend in legends for handle in legend.legend_handles]
-                kinds = (("facecolor", "color")[isinstance(handle, Line2D)] for handle in handles)
-                looks.append(list(map(mpl.artist.getp, handles, kinds)))
-            assert looks[0] == looks[1] != []
+        looks = []
+        for dark in (False, True):
+            panels = draw(few, "maps", dark=dark).axes
+            legends = [legend for axes in panels if (legend := axes.get_legend())]
+            lines = [line.get_color() for legend in legends for line in legend.legend_handles]
+            classes = draw(self.read(a_map()), "maps", dark=dark).axes[0].collections[0].cmap
+            looks.append([*lines, *classes(np.linspace(0, 1, 3)).ravel()])
+        assert len(legends) > 0
+        assert looks[0] == looks[1]
 
     def test_style(self) -> None:
         cycle = self.put("my.mplstyle", "axes.prop_cycle: cycler('color', ['ff0000', '00ff00'])\n")

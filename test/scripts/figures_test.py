@@ -28,9 +28,10 @@ from spintop_figures.motion.trajectory import (
 )
 from spintop_figures.registry import FIGURES, choose_figures
 from spintop_figures.style.axes import draw_sizes
-from spintop_figures.style.saving import lay_out, save, save_as, save_small
+from spintop_figures.style.look import lightness
+from spintop_figures.style.page import lay_out, save, save_as, save_small
 from spintop_figures.sweeps.curves import draw_sweep, sleeping_threshold
-from spintop_figures.sweeps.maps import SIGNED, draw_maps, spots
+from spintop_figures.sweeps.maps import SIGNED, draw_maps
 from spintop_figures.sweeps.scatter import draw_scatter
 from spintop_figures.tables.table import TableError
 
@@ -145,44 +146,34 @@ class FiguresTest(TableCase):
         name = next(title for title in by_title if title.startswith("precession per nutation"))
         self.assertRegex(name, r"with jumps by about 3\d\d")
         precession = by_title[name]
-        contours = [c for c in precession.collections if isinstance(c, mpl.contour.ContourSet)]
-        lines = [path for contour in contours for path in contour.get_paths() if len(path)]
-        assert lines == []
-        force = by_title["minimum vertical support force (N)"]
-        contours = [c for c in force.collections if isinstance(c, mpl.contour.ContourSet)]
-        assert any(len(path) for c in contours for path in c.get_paths())
+        force = next(by_title[name] for name in by_title if name.startswith("minimum vertical"))
+        for axes, has_line in ((precession, False), (force, True)):
+            sets = [c for c in axes.collections if isinstance(c, mpl.contour.ContourSet)]
+            lines = [path for c in sets for path in c.get_paths() if len(path)]
+            assert bool(lines) == has_line
+            assert {line.get_marker() for line in axes.lines if len(line.get_xdata())} == {"_"}
         for axes in (precession, force):
             image = axes.collections[0]
             assert image.cmap.name == SIGNED.name
             assert image.norm.vmin == -image.norm.vmax
-            assert {text.get_text() for text in axes.texts} == {"< 0", "> 0"}
         shade = np.array(SIGNED(0.5)[:3])
         assert shade.min() > 0.9
         assert np.ptp(shade) < 0.05
 
     def test_classes_in_place(self) -> None:
-        """Classes have their names in their regions, the other ones in a legend."""
+        """Each class has a colour, beside which its name stands."""
         table = self.compute("map_spin_tilt", "sweep.count=40,30")
-        axes = draw_maps(table).axes[0]
-        rows = table.rows
-        assert {text.get_text() for text in axes.texts} == {"loop", "wave"}
-        assert axes.get_legend() is None
-        spin, tilt = (np.unique(rows[name]) for name in table.axes())
-        for text in axes.texts:
-            x, y = text.get_position()
-            place = [spin[int(x * spin.size)], tilt[int(y * tilt.size)]]
-            near = rows[(rows[list(table.axes())] == place).all(axis=1)]
-            assert list(near["motion_class"]) == [text.get_text()]
-
-    def test_spots(self) -> None:
-        """A region has its name inside, also if it is bent; small regions have none."""
-        codes = np.zeros((30, 40))
-        codes[10:, :25] = 1
-        codes[0, 0] = 2
-        found = {spot.code: spot for spot in spots(codes)}
-        assert set(found) == {0, 1}
-        for code, spot in found.items():
-            assert codes[int(spot.y * 30), int(spot.x * 40)] == code
+        figure = draw_maps(table)
+        figure.draw_without_rendering()
+        axes, bar = figure.axes[0], figure.axes[4]
+        assert [text.get_text() for text in bar.get_yticklabels()] == ["loop", "wave"]
+        (image,) = axes.collections
+        cells = {"loop": 0.0, "wave": 1.0}
+        spin, tilt = (np.unique(table.rows[name]) for name in table.axes())
+        drawn = image.get_array().reshape(tilt.size, spin.size)
+        expected = table.rows["motion_class"].map(cells).to_numpy().reshape(spin.size, tilt.size)
+        np.testing.assert_array_equal(drawn, expected.T)
+        assert np.ptp([lightness(image.cmap(image.norm(code))) for code in (0, 1)]) > 0.5
 
     def test_exact_solution(self) -> None:
         """It has no figure of residuals; other runs have it as the last one."""

@@ -26,11 +26,9 @@ from plot_case import (
     some_events,
 )
 from spintop_figures.methods.trials import NO_TRIAL, VERDICTS, digits_of, letters_of, trials
-from spintop_figures.moving.data import lines_of
-from spintop_figures.style.provenance import describe_run
-from spintop_figures.style.saving import lay_out
-from spintop_figures.sweeps import table1
-from spintop_figures.sweeps.curves import draw_curves
+from spintop_figures.moving.motion import lines_of
+from spintop_figures.style.page import describe_run, lay_out
+from spintop_figures.sweeps import curves
 from spintop_figures.sweeps.maps import COLOURS, KAPITZA, draw_maps, find_kapitza_limit, make_grid
 from spintop_figures.sweeps.quantities import QUANTITIES, quantities_of
 from spintop_figures.sweeps.statistics import is_even
@@ -106,20 +104,20 @@ class PlotTest(TableCase):
         """Five digits in one notation; powers of ten at the ends; a dash for what is not there."""
         values = {428.0976: "428.10", 1.0: "1.0000", 0.00272092: "0.0027209", 0.0: "0"}
         for value, text in values.items():
-            assert table1.as_text(value) == text
-        assert table1.as_text(math.nan) == "\N{EN DASH}"
-        assert table1.as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
+            assert curves.as_text(value) == text
+        assert curves.as_text(math.nan) == "\N{EN DASH}"
+        assert curves.as_column(np.array([9.3984e-5, 340.11])) == ["0.000093984", "340.11"]
         times, minus = "\N{MULTIPLICATION SIGN}", "\N{MINUS SIGN}"
         powers = [f"1.0000{times}10⁻⁹", f"{minus}2.0000{times}10⁰"]
-        assert table1.as_column(np.array([1e-9, -2.0])) == powers
+        assert curves.as_column(np.array([1e-9, -2.0])) == powers
 
     def test_decimal_points(self) -> None:
         table = self.read(a_sweep())
         rows = table.rows.assign(delta_u=[1234.5, 0.00012345, 9.5, 77.0])
-        figure = table1.draw_table1(replace(table, rows=rows))
+        figure = curves.draw_table1(replace(table, rows=rows))
         lay_out(figure)
         renderer = FigureCanvasAgg(figure).get_renderer()
-        right = table1.RIGHT_EDGES[next(c for c in table1.COLUMNS if c.column == "delta_u")]
+        right = curves.RIGHT_EDGES[next(c for c in curves.COLUMNS if c.column == "delta_u")]
         cells = ("1234.5", "0.00012345", "9.5000", "77.000")
         points = []
         for text in figure.axes[0].texts:
@@ -137,7 +135,7 @@ class PlotTest(TableCase):
         authors |= {"top.inertia": ["0.00614", "0.00614", "0.0122"], "top.inertia_about": ["pivot"]}
         others = (wheel, authors, authors | {"top.inertia": ["3"]})
         tables = (replace(table, settings=table.settings | settings) for settings in others)
-        titles = [table1.draw_table1(each).get_suptitle() for each in tables]
+        titles = [curves.draw_table1(each).get_suptitle() for each in tables]
         assert "of the wheel about the pivot" in titles[0]
         assert "of the paper's author (without m l²)" in titles[1]
         assert "of the input" in titles[2]
@@ -146,7 +144,7 @@ class PlotTest(TableCase):
         """A case that failed has a note with its status and the reason."""
         text = a_sweep(status="step_limit").replace("nan,\n", "nan,no more steps\n")
         table = self.read(text)
-        assert table1.notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
+        assert curves.notes_on(table.rows) == ["* \u03bb = 2: too many steps: no more steps"]
 
     def test_trajectory_beside_its_table(self) -> None:
         """All figures, in a locale with decimal commas, of a run that overflowed."""
@@ -307,25 +305,25 @@ class PlotTest(TableCase):
         table = self.sweep(columns | {"growth_rate": lambda i: 1.0 + i})
         shown = [quantity.columns[0] for quantity in quantities_of(table)]
         assert shown == ["growth_rate", "evaluations"]
-        title = draw_curves(table).get_suptitle().replace("\n", " ")
+        title = curves.draw_curves(table).get_suptitle().replace("\n", " ")
         assert "in all cases Lyapunov exponent: 0.25 1/s" in title
         free = self.sweep({"evaluations": lambda i: 0, "growth_rate": lambda i: 1.0 + i})
-        assert len(draw_curves(free).axes) == 1
-        assert "evaluations" not in draw_curves(free).get_suptitle()
+        assert len(curves.draw_curves(free).axes) == 1
+        assert "evaluations" not in curves.draw_curves(free).get_suptitle()
         alone = self.sweep({"growth_rate": lambda i: 2.0})
         assert len(quantities_of(alone)) == 1
 
     def test_equal_panels(self) -> None:
         """Panels have one size; the lowest of each column, and no other, names the parameter."""
         names = ("growth_rate", "lyapunov_exponent", "evaluations")
-        axes = draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
+        axes = curves.draw_curves(self.sweep({name: lambda i: 1.0 + i for name in names})).axes
         assert [bool(panel.get_xlabel()) for panel in axes] == [False, True, True]
         assert {len(panel.get_subplotspec().colspan) for panel in axes} == {1}
 
     def test_chaos(self) -> None:
         """Of many cases those that are far apart are dots, not joined by lines."""
         table = self.sweep({"growth_rate": lambda i: 1.0 + (i if i < 40 else 60 * (i % 2))})
-        line, dots = draw_curves(table).axes[0].lines[-2:]
+        line, dots = curves.draw_curves(table).axes[0].lines[-2:]
         assert dots.get_linestyle() == "None"
         assert len(dots.get_xdata()) >= 38
         joined = np.isfinite(line.get_ydata()[:40])

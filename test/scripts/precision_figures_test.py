@@ -11,7 +11,7 @@ from matplotlib.colors import to_rgb
 
 from conftest import listed
 from plot_case import STAGES, TableCase, a_precision
-from spintop_figures.methods import known, precision, tolerance
+from spintop_figures.methods import known, precision
 from spintop_figures.registry import FIGURES
 
 AXES = ("initial.spin_ratio", "initial.theta")
@@ -62,7 +62,7 @@ class StyleTest(unittest.TestCase):
         self.addCleanup(known.known_methods.cache_clear)
         known.known_methods.cache_clear()
         registry = [*listed_methods().values(), entry | {"tables": None}]
-        with unittest.mock.patch.object(known, "read_registry", return_value=registry):
+        with unittest.mock.patch.object(known, "listed", return_value={"methods": registry}):
             assert (known.family_of("new_6"), known.order_of("new_6")) == ("Lie group", 6)
             assert known.style_of("new_6")["marker"] == known.style_of("rkmk_4")["marker"]
 
@@ -86,7 +86,7 @@ class PrecisionFiguresTest(TableCase):
         failed = a_precision().replace(",ok,", ",pole,")
         table = self.read(failed)
         assert "no method that went well and takes steps" in precision.object_to_precision(table)
-        assert tolerance.object_to_tolerance_map(table) == "is no study over two parameters"
+        assert precision.object_to_tolerance_map(table) == "is no study over two parameters"
         text = "\n".join(line for line in a_precision().split("\n") if ",steps " not in line)
         refusal = next(k for k in FIGURES if k.name == "orders").refusal
         table = self.read(text)
@@ -212,7 +212,7 @@ class PrecisionFiguresTest(TableCase):
     def test_cheapest(self) -> None:
         """Each problem has the shortest time of its methods; the exact solution is left out."""
         table = self.read(a_map_of_problems())
-        problems = tolerance.table_of_problems(table)
+        problems = precision.table_of_problems(table)
         assert problems.axes() == list(AXES)
         assert len(problems.rows) == 12
         names, rows = table.rows["problem"].unique(), table.rows[table.rows["method"] != "exact"]
@@ -227,22 +227,24 @@ class PrecisionFiguresTest(TableCase):
     def test_cells(self) -> None:
         """Each cell has its number; methods are told once, the unit of times in the heading."""
         table = self.read(a_map_of_problems())
-        rows = tolerance.table_of_problems(table).rows
-        panels = tolerance.draw_tolerance_map(table).axes[:2]
-        unit, factor = tolerance.unit_of(rows["time_s"].to_numpy())
-        assert panels[0].get_title(loc="left").endswith(unit)
+        rows = precision.table_of_problems(table).rows
+        figure = precision.draw_tolerance_map(table)
+        figure.draw_without_rendering()
+        unit, factor = precision.unit_of(rows["time_s"].to_numpy())
+        assert figure.axes[0].get_title(loc="left").endswith(unit)
         numbers = (rows["time_s"] * factor, rows["ratio"])
-        for axes, column, values in zip(panels, ("method", "next"), numbers, strict=True):
-            assert [text.get_text() for text in axes.texts] == [*map(tolerance.tell, values)]
-            told = [text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()]
+        for place, (column, values) in enumerate(zip(("method", "next"), numbers, strict=True)):
+            axes, bar = figure.axes[place], figure.axes[2 + place]
+            assert [text.get_text() for text in axes.texts] == [*map(precision.tell, values)]
+            told = [text.get_text() for text in bar.get_yticklabels()]
             assert sorted(told) == sorted(rows[column].unique())
-        assert [tolerance.tell(value) for value in (9.96, 12.3, np.nan)] == ["10.0", "12", ""]
+        assert [precision.tell(value) for value in (9.96, 12.3, np.nan)] == ["10.0", "12", ""]
 
     def test_unreached(self) -> None:
         """A problem that no method solves well enough has no time."""
         lines = a_map_of_problems().split("\n")
         text = "\n".join(line for line in lines if "top.0" not in line or ",rk2," in line)
-        rows = tolerance.table_of_problems(self.read(text)).rows
+        rows = precision.table_of_problems(self.read(text)).rows
         assert list(rows["status"]) == ["not reached", *["ok"] * 11]
         assert rows["method"][0] == "none"
 
@@ -259,25 +261,25 @@ class PrecisionFiguresTest(TableCase):
     def test_choice_of_choice_of_method(self) -> None:
         """Ratios are those of the least times of rows that are exact enough."""
         table = self.read(self.study("gauss_8,space_frame"))
-        choices = tolerance.choices_of(table)
+        choices = precision.choices_of(table)
         rows = table.rows[(table.rows["problem"] == "top.0") & (table.rows["status"] == "ok")]
         good = rows[rows["orientation_error"] <= 1e-6]
         own = good[good["auto"] == "yes"]["time_s"].min()
         (found,) = (c for c in choices[:4] if c.target == 1e-6)
         self.assertAlmostEqual(found.ratio, own / good["time_s"].min())
-        figure = tolerance.draw_choice(table)
+        figure = precision.draw_choice(table)
         assert "in 0 of 24 comparisons" in figure.get_suptitle().replace("\n", " ")
         self.assert_good_look(table, "choice")
         best = self.read(self.study("exact,closed_form"))
-        title = tolerance.draw_choice(best).get_suptitle().replace("\n", " ")
+        title = precision.draw_choice(best).get_suptitle().replace("\n", " ")
         assert title.endswith("takes at most 1.00 times as long as the cheapest method")
 
     def test_refusals_of_choice_of_method(self) -> None:
         none = self.read(self.study("nobody"))
-        assert tolerance.object_to_choice(none) == "has no row of the automatic choice"
+        assert self.refusal("choice", none) == "has no row of the automatic choice"
         few = self.study("exact,closed_form").replace("top.5", "top.4").replace("top.3", "top.4")
         table = self.read(few)
-        assert "fewer than 5 problems" in tolerance.object_to_choice(table)
+        assert "fewer than 5 problems" in self.refusal("choice", table)
 
     def test_figure(self) -> None:
         """A line a publication, with the errors of its quantities and the time of the run."""

@@ -14,9 +14,9 @@ import spintop
 from conftest import called, each
 from filming import __main__ as film
 from reporting.study import read_study
-from spintop_figures.style.provenance import warning_of
+from spintop_figures.style.page import warning_of
 from spintop_figures.sweeps.quantities import succeeded, tell_failed
-from spintop_figures.tables import words as ends
+from spintop_figures.tables import names as ends
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, effects={"friction_torque": 9.0}, theta_deg=40, psi_rate=10)

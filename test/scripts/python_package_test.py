@@ -20,7 +20,7 @@ import spintop
 from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
-from spintop.levels import NEEDED, chosen_folder, features, levels_of
+from spintop.library import NEEDED, chosen_folder, features, levels_of
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
@@ -290,7 +290,7 @@ class PythonPackageTest(unittest.TestCase):
                 assert chosen_folder(package) == package
             for level in NEEDED:
                 (package / level).mkdir()
-            with mock.patch("spintop.levels.levels_of", return_value=["v2", "v3"]):
+            with mock.patch("spintop.library.levels_of", return_value=["v2", "v3"]):
                 for wanted, level in (("", "v3"), ("v2", "v2"), ("v3", "v3")):
                     with mock.patch.dict(os.environ, {"SPINTOP_LEVEL": wanted}):
                         assert chosen_folder(package) == package / level
@@ -301,7 +301,7 @@ class PythonPackageTest(unittest.TestCase):
                     ):
                         chosen_folder(package)
             with (
-                mock.patch("spintop.levels.levels_of", return_value=[]),
+                mock.patch("spintop.library.levels_of", return_value=[]),
                 self.assertRaisesRegex(ImportError, "older than x86-64-v2"),
             ):
                 chosen_folder(package)

@@ -40,9 +40,15 @@ from spintop_figures.moving.body import (
     draw_body,
     read_body,
 )
-from spintop_figures.moving.data import pack, which_rows
-from spintop_figures.moving.motion import GROUPS, find_omega, motion_facts, refusal
-from spintop_figures.style.provenance import describe_end
+from spintop_figures.moving.motion import (
+    GROUPS,
+    find_omega,
+    motion_facts,
+    pack,
+    refusal,
+    which_rows,
+)
+from spintop_figures.style.page import describe_end
 from spintop_figures.tables.names import raised
 from spintop_figures.tables.table import Table, read_table
 

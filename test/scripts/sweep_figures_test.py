@@ -15,10 +15,9 @@ from spintop_figures.registry import draw
 from spintop_figures.style.look import ROLES, lightness
 from spintop_figures.style.page import head
 from spintop_figures.sweeps import scatter as cloud_module
-from spintop_figures.sweeps.maps import object_to_grid
+from spintop_figures.sweeps.maps import mark_negative, object_to_grid
 from spintop_figures.sweeps.quantities import has_log_axis, succeeded
-from spintop_figures.sweeps.scatter import draw_scatter, object_to_scatter, telling
-from spintop_figures.sweeps.statistics import mark_negative
+from spintop_figures.sweeps.scatter import draw_scatter, telling
 from spintop_figures.tables.names import unit_shown
 from spintop_figures.tables.table import Table, read_table
 
@@ -58,7 +57,7 @@ class SweepFiguresTest(TableCase):
             (dull.replace("loop", "wave"), "has no quantity that varies"),
             (a_cloud(failing=1), "has no quantity that varies"),
         ):
-            assert object_to_scatter(self.read(text)) == reason
+            assert self.refusal("scatter", self.read(text)) == reason
         path = self.put("b.csv", a_map())
         said = self.call("--figure", "scatter", path, code=2)
         assert "which has maps: no scatter figure" in said
@@ -264,10 +263,16 @@ class SweepFiguresTest(TableCase):
     def test_signs_without_colours(self) -> None:
         """Each bin below zero has a minus, white where the bin is dark; others have none."""
         axes = Figure().subplots()
-        values = np.array([1.0, -0.1, 0.0, -0.9, np.nan, -0.2])
-        mark_negative(axes, np.arange(6.0), np.ones(6), values)
+        values = np.ma.masked_invalid([[1.0, -0.1, 0.0, -0.9, np.nan, -0.2]])
+        mark_negative(axes, np.arange(6.0), np.ones(1), values)
         marks = {line.get_color(): line.get_xdata().tolist() for line in axes.lines}
         assert marks == {"black": [1.0, 5.0], "white": [3.0]}
+
+    def test_signs_of_many_cells(self) -> None:
+        """Of a fine map about one cell in each twentieth of a side is marked."""
+        axes, x = Figure().subplots(), np.arange(200.0)
+        mark_negative(axes, x, x[:5], np.ma.masked_invalid(-np.ones((5, 200))))
+        assert len(axes.lines[-1].get_xdata()) == 5 * 20
 
     def test_units(self) -> None:
         """Angles are in degrees; their errors stay as they are compared, and so do rates."""

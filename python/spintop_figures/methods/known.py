@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.colors import to_rgb
 
 from spintop_figures.style.look import GROUND, OURS, lightness, tint
-from spintop_figures.tables.words import listed
+from spintop_figures.tables.names import listed
 
 OTHER = "other programs"
 """The family of what the registry does not have."""
@@ -34,7 +34,7 @@ def known_methods() -> dict[str, Method]:
     """
     methods: dict[str, Method] = {}
     members: dict[str, list[dict]] = {}
-    for entry in read_registry():
+    for entry in listed("methods")["methods"]:
         members.setdefault(entry["family"], []).append(entry)
     for family, entries in members.items():
         entries.sort(key=lambda each: -(each["order"] or 1000 * (each["kind"] == "adaptive")))
@@ -42,11 +42,6 @@ def known_methods() -> dict[str, Method]:
             method = Method(entry["name"], family, entry["order"], place)
             methods |= dict.fromkeys((method.name, *(entry["tables"] or ())), method)
     return methods
-
-
-def read_registry() -> list[dict]:
-    """The registry of methods."""
-    return listed("methods")["methods"]
 
 
 def known(name: str) -> Method:
@@ -79,10 +74,6 @@ MARKERS = "psv^PXo*h<>d"
 
 DASHES = ("-", (0, (5, 1.5)), (0, (6, 1.5, 1, 1.5)), (0, (1.2, 1.2)), (0, (3, 3)))
 """Of the members of a family, the first of which has the family's own colour."""
-
-GAMMA, LUMINANCES, INK_ON_WHITE = 2.2, (0.2126, 0.7152, 0.0722), 0.18
-"""Of the colours of screens: exponent, shares of red, green and blue, and the luminance of words on
-white at a contrast of 4.5 to 1."""
 
 FILLS = {
     "space_frame": "full",
@@ -119,8 +110,10 @@ def ink_of(family: str) -> tuple[float, ...]:
     colour = np.array(to_rgb(look_of(family).colour))
     if lightness(GROUND) < 0.5:
         return tuple(colour)
-    luminance = max(np.dot(LUMINANCES, colour**GAMMA), INK_ON_WHITE)
-    return tuple(colour * (INK_ON_WHITE / luminance) ** (1 / GAMMA))
+    # a contrast of 4.5 to 1 on white, with the shares and the exponent of the colours of screens
+    most = 0.18
+    luminance = max(np.dot((0.2126, 0.7152, 0.0722), colour**2.2), most)
+    return tuple(colour * (most / luminance) ** (1 / 2.2))
 
 
 def style_of(method: str, formulation: str = "") -> dict[str, object]:

@@ -1,5 +1,6 @@
-"""The curves of a work-precision study: errors of a method against its cost; which are named."""
+"""Work-precision studies: errors against costs, orders, the cheapest method and the choice."""
 
+import dataclasses
 import itertools
 from collections.abc import Collection, Iterable
 from typing import NamedTuple
@@ -12,14 +13,37 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
-from spintop_figures.methods.known import family_of, ink_of, look_of, order_of, rank_of, style_of
-from spintop_figures.style.axes import few_ticks, name_axes, name_axis
-from spintop_figures.style.look import FAINT, GREY, by_width
-from spintop_figures.style.numbers import DASH, write, write_count, write_fixed
-from spintop_figures.style.page import head, is_lowest, legend_below, panel_figure
-from spintop_figures.tables.names import name_of
+from spintop_figures.methods.known import (
+    family_of,
+    ink_of,
+    known_methods,
+    look_of,
+    order_of,
+    rank_of,
+    style_of,
+)
+from spintop_figures.style.axes import few_ticks, letters_of, name_axis, name_rows
+from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
+from spintop_figures.style.numbers import (
+    DASH,
+    localised,
+    with_power,
+    write,
+    write_count,
+    write_fixed,
+)
+from spintop_figures.style.page import head, is_lowest, legend_below, new_figure, panel_figure
+from spintop_figures.sweeps.maps import (
+    Grid,
+    cross,
+    draw_classes,
+    label_axes,
+    make_grid,
+    object_to_grid,
+)
+from spintop_figures.sweeps.quantities import tell_failed
+from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 EXACT = "exact"
 """The method that takes no steps."""
@@ -51,7 +75,7 @@ def fineness(setting: str) -> float:
 
 def problems_of(table: Table) -> list[str]:
     """The problems, in the order in which the table has them first."""
-    return list(dict.fromkeys(table.rows["problem"]))
+    return list(table.rows["problem"].unique())
 
 
 def curves_of(rows: pd.DataFrame, columns: Iterable[str]) -> list[Curve]:
@@ -110,14 +134,8 @@ LEAST_ERROR, MOST_ERROR = 1e-16, 4.0
 MOST_PROBLEMS = 6
 """Panels that fit a page."""
 
-PANEL_HEIGHT = 3.4
-"""In inches."""
-
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
-
-OTHERS = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
-"""Curves that are not the best of their family."""
 
 NOTE = f"named: the best of each family at {GOAL}; grey: the others"
 
@@ -135,12 +153,14 @@ def draw_precision_curves(
     """
     axes.set(xscale="log", yscale="log")
     for curve in curves_of(rows, (x, "error_max")):
-        cost, error = points_of(curve, x)
+        cost, error = (curve.rows[name].to_numpy(float) for name in (x, "error_max"))
+        error = np.maximum(error, LEAST_ERROR)
         style = curve.style()
         if strong is not None:
             style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
             style["color"] = look_of(family_of(curve.method)).colour
-            style = style if curve.label in strong else OTHERS
+            others = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
+            style = style if curve.label in strong else others
         if curve.method != EXACT:
             axes.plot(cost, error, **style, label=curve.label)
         elif cost[0] > 0:  # a cost that a log axis can show
@@ -166,12 +186,6 @@ def draw_precision_curves(
     axes.grid(alpha=0.4)
 
 
-def points_of(curve: Curve, x: str) -> tuple[np.ndarray, np.ndarray]:
-    """Costs of a curve, and its errors as they are drawn."""
-    error = curve.rows["error_max"].to_numpy(float)
-    return curve.rows[x].to_numpy(float), np.maximum(error, LEAST_ERROR)
-
-
 def object_to_precision(table: Table) -> str:
     """A method has to be there that takes steps, and not too many problems for panels."""
     if "program" in table.rows:
@@ -191,9 +205,9 @@ def problem_panels(
     table: Table, title: str, rows: pd.DataFrame, above: float = 1.0, has_foot: bool = False
 ) -> tuple[Figure, dict[str, Axes]]:
     """A figure with a panel a problem, one below the other."""
-    problems = list(dict.fromkeys(rows["problem"]))
+    problems = list(rows["problem"].unique())
     shape = {"share": "", "has_foot": has_foot, "across": 1}
-    figure, panels = panel_figure(table, title, len(problems), PANEL_HEIGHT, 0, above, **shape)
+    figure, panels = panel_figure(table, title, len(problems), 3.4, 0, above, **shape)
     if len(problems) > 1:
         for problem, axes in zip(problems, panels, strict=True):
             head(axes, name_of(problem))
@@ -339,9 +353,202 @@ def draw_orders(table: Table) -> Figure:
         inks = [ink_of(family_of(curve.method)) for curve in curves]
         place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "labelcolor": inks}
         axes.legend(map(lines.get, labels), labels.values(), **place)
-        name_axes(axes, y=ERROR)
+        name_axis(axes.yaxis, *ERROR)
         if any(DASH in label for label in labels.values()) and "\n" not in words:
             words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
         name_axis(axes.xaxis, "")
     name_axis(axes.xaxis, words)
     return figure
+
+
+NONE = "none"
+"""In place of a method where none reaches the error."""
+
+
+def table_of_problems(table: Table) -> Table:
+    """The study as the table of a sweep: per problem the cheapest method and its time."""
+    axes, rows = [name for name in table.rows if "." in name], []  # swept ones have a point
+    for number, problem in enumerate(problems_of(table), start=1):
+        part = table.rows[table.rows["problem"] == problem]
+        curves = [c for c in curves_of(part, ("time_s", "error_max")) if c.method != EXACT]
+        times = [(time_to(curve), curve.label) for curve in curves]
+        good = sorted((time, label) for time, label in times if np.isfinite(time))
+        (time, method), (later, other) = [*good, (np.nan, NONE), (np.nan, NONE)][:2]
+        status = "ok" if np.isfinite(time) else "not reached"
+        rows.append([number, *part[axes].iloc[0], status, time, method, later / time, other])
+    columns = ["case", *axes, "status", "time_s", "method", "ratio", "next"]
+    return dataclasses.replace(table, rows=pd.DataFrame(rows, columns=columns))
+
+
+def object_to_tolerance_map(table: Table) -> str:
+    """The maps are over two swept parameters, all of whose values are combined."""
+    if sum("." in name for name in table.rows) != 2:
+        return "is no study over two parameters"
+    problems = table_of_problems(table)
+    reached = ended_well(problems.rows).any()
+    reason = "" if reached else f"has no method that reaches an error of {GOAL}"
+    return object_to_grid(problems) or reason
+
+
+@figure(needs="error_max time_s", objection=object_to_tolerance_map, **PRECISION)
+def draw_tolerance_map(table: Table) -> Figure:
+    """The cheapest method for a given error, over two swept parameters.
+
+    The cheapest method and the next one for the target as colours, and numbers in the cells.
+    """
+    problems = table_of_problems(table)
+    grid = make_grid(problems)
+    failed = ~ended_well(problems.rows).to_numpy()
+    title = f"The cheapest method for an error of {GOAL} in attitude{tell_failed(problems)}"
+    figure, panels = panel_figure(table, title, 2, 2.9, above=0.9, across=1)
+    colours = colours_of_methods(problems.rows)
+    times, ratios = problems.column("time_s"), problems.column("ratio")
+    unit, factor = unit_of(times)
+    maps = (
+        ("method", factor * times, f"the cheapest method, and its time in {unit}"),
+        ("next", ratios, "the next method, and how many times longer it takes"),
+    )
+    for (method, values, heading), axes in zip(maps, panels, strict=True):
+        head(axes, heading)
+        there = {name: c for name, c in colours.items() if (problems.rows[method] == name).any()}
+        look = {"edgecolor": GROUND, "linewidth": 0.5, "rasterized": False}
+        draw_classes(axes, grid, problems.rows[method], there, **look)
+        cross(axes, grid, failed)
+        write_numbers(axes, grid, values)
+    label_axes(problems, grid, panels)
+    return figure
+
+
+def unit_of(seconds: np.ndarray) -> tuple[str, float]:
+    """The unit that suits times, and the factor to it: that in which the median is above one."""
+    units, median = (("s", 1.0), ("ms", 1e3), ("µs", 1e6), ("ns", 1e9)), np.nanmedian(seconds)
+    return next((pair for pair in units if median * pair[1] >= 1), units[-1])
+
+
+def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
+    """A pale colour for each method: that of its family, paler for further members."""
+    counts = pd.concat([rows["method"], rows["next"]]).value_counts()
+    known = {name_of(method): method for method in known_methods()}
+    members: dict[str, int] = {}
+    colours = {}
+    for label in counts.index.drop(NONE, errors="ignore"):
+        family = family_of(known.get(label.partition(", ")[0], ""))
+        pale = 1 - 0.38 * 0.55 ** members.get(family, 0)
+        members[family] = members.get(family, 0) + 1
+        colours[label] = tint(look_of(family).colour, pale)
+    return colours
+
+
+def write_numbers(axes: Axes, grid: Grid, values: np.ndarray) -> None:
+    """The number of each cell in it, if the cells are large enough."""
+    texts = [tell(value) for value in values]
+    across, up = (0.6 * letters_of(axes, side) for side in "xy")  # a line is as high as two letters
+    if grid.x.size * max(map(len, texts)) > across or 2 * grid.y.size > up:
+        return
+    column, line = np.divmod(grid.place, grid.y.size)
+    style = {"ha": "center", "va": "center_baseline", "fontsize": "small", "in_layout": False}
+    for x, y, text in zip(grid.x[column], grid.y[line], texts, strict=True):
+        axes.text(x, y, text, **style)
+
+
+def tell(value: float) -> str:
+    """Two digits of a number; empty if there is none."""
+    return localised(f"{value:.{0 if value >= 10 else 1}f}") if np.isfinite(value) else ""
+
+
+TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
+"""The errors for which methods are compared, rad, as in the summary of the program."""
+
+NEAR = 2.0
+"""A choice that takes no more than so many times as long is near the cheapest."""
+
+
+class Choice(NamedTuple):
+    """The choice on a problem for a target: its time over the least, and who has the least."""
+
+    target: float
+    ratio: float
+    cheapest: str
+
+
+def cheapest_row(rows: pd.DataFrame, target: float) -> pd.Series | None:
+    """The row with the least time whose error is no larger than the target."""
+    good = rows[ended_well(rows) & (rows["orientation_error"] <= target)]
+    return None if good.empty else good.loc[good["time_s"].idxmin()]
+
+
+def choices_of(table: Table) -> list[Choice]:
+    """The comparisons; the ratio is infinite where the choice is not accurate enough."""
+    found = []
+    for _, rows in table.rows.groupby("problem", sort=False):
+        chosen = rows[rows["auto"] == "yes"]
+        for target in TARGETS if len(chosen) else ():
+            best, own = cheapest_row(rows, target), cheapest_row(chosen, target)
+            if best is not None and best["time_s"] > 0:
+                ratio = np.inf if own is None else own["time_s"] / best["time_s"]
+                found.append(Choice(target, float(ratio), str(best["method"])))
+    return found
+
+
+@figure(
+    PRECISION["kind"],
+    "orientation_error time_s",
+    words=f"{PRECISION['words']} auto",
+    unless={
+        "has no row of the automatic choice": lambda table: (table.rows["auto"] == "yes").any(),
+        "has fewer than 5 problems to judge a choice by": lambda table: len(problems_of(table)) > 4,
+        "has no method that is accurate enough": choices_of,
+    },
+)
+def draw_choice(table: Table) -> Figure:
+    """Time of the automatic choice of a method over that of the cheapest one.
+
+    How many times longer the choice takes than the cheapest method, a dot a problem.
+    """
+    choices = choices_of(table)
+    ratios = np.array([choice.ratio for choice in choices])
+    worst = ratios[np.isfinite(ratios)].max(initial=1.0)
+    within = np.count_nonzero(ratios <= NEAR)
+    title = "The automatic choice takes "
+    if within == len(choices):
+        title += f"at most {write_fixed(worst, 2)} times as long as the cheapest method"
+    else:
+        title += f"no more than {write(NEAR)} times as long as the cheapest method in {within} of "
+        title += f"{len(choices)} comparisons"
+    targets = [target for target in TARGETS if any(c.target == target for c in choices)]
+    figure = new_figure(table, title, 1.4 + 0.75 * len(targets))
+    axes = figure.add_subplot()
+    axes.axvspan(1, NEAR, color=FAINT, alpha=0.4, linewidth=0)
+    axes.axvline(1, color=GREY, linewidth=0.8)
+    edge = max(1.15 * worst, 1.15 * NEAR)
+    for place, target in enumerate(targets):
+        draw_target(axes, place, [c for c in choices if c.target == target], edge)
+    alone = dict(zip(*axes.get_legend_handles_labels()[::-1], strict=True))
+    place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.0), "title": "cheapest method"}
+    axes.legend(alone.values(), map(name_of, alone), **place)
+    axes.set_xscale("log")
+    words = "time of the automatic choice over that of the cheapest method"
+    name_axis(axes.xaxis, words, letters=by_width(70, 25))
+    shown = (1, 1.2, 1.5, 2, 3) if edge < 5 else (1, 2, 5, 10, 20, 50, 100)  # with room between
+    axes.set_xticks(shown, labels=map(write, shown))
+    axes.set_xticks([], minor=True)
+    axes.set_xlim(1 / 1.04, edge)
+    name_rows(axes, [f"{with_power('1', round(np.log10(target)))} rad" for target in targets])
+    axes.set_ylabel("error")
+    return figure
+
+
+def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> None:
+    """The comparisons for a target; those in which the choice misses it are at the right edge."""
+    heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
+    for choice, height in zip(choices, heights, strict=True):
+        look = look_of(family_of(choice.cheapest))
+        style = {"color": look.colour, "marker": look.marker, "markersize": 6 * look.size}
+        style |= {"linestyle": "", "markeredgewidth": 0.5, "label": choice.cheapest}
+        style["markeredgecolor"] = GROUND if np.isfinite(choice.ratio) else INK
+        axes.plot(min(choice.ratio, edge / 1.03), height, **style)
+    near = sum(choice.ratio <= NEAR for choice in choices)
+    missed = sum(not np.isfinite(choice.ratio) for choice in choices)
+    words = f"{near} of {len(choices)} within {write(NEAR)}" + f", {missed} missed" * (missed > 0)
+    style = {"xycoords": axes.get_yaxis_transform(), "fontsize": "small", "color": GREY}
+    axes.annotate(words, (0.99, place - 0.3), ha="right", **style)

@@ -99,12 +99,12 @@ SMALL = {"fontsize": "x-small"}
 """Of what stands in cells, and of labels."""
 
 
-def places_of(groups: Iterable[Iterable[str]]) -> dict[str, float]:
-    """Places of rows or columns in cells, with an empty one before each group."""
+def places_of(groups: Iterable[Iterable[str]], apart: float, first: float) -> dict[str, float]:
+    """Places of rows or columns from the first one, with so much room between groups."""
     places: dict[str, float] = {}
-    for number, names in enumerate(groups, start=1):
+    for number, names in enumerate(groups):
         for name in names:
-            places.setdefault(name, len(places) + number)
+            places.setdefault(name, first + len(places) + number * apart)
     return places
 
 
@@ -116,7 +116,7 @@ def draw_verdicts(table: Table) -> Figure:
     """
     rows = trials(table)
     references, families = rows.groupby("reference", sort=False)["case"], entries_by_family(rows)
-    x, y = places_of(references.unique()), places_of(families.values())
+    x, y = (places_of(groups, 1, 1) for groups in (references.unique(), families.values()))
     letters = letters_of(rows)
     legend = legend_of(table, rows, letters)
     across, down = max(x.values()) + 0.5, max(y.values()) + 0.5
@@ -185,13 +185,10 @@ def draw_counts(
     for by, axes in bars.items():
         shares = pd.crosstab(tried[by], tried["verdict"], normalize="index")
         there, begin = [places[by][name] for name in shares.index], 0.0
+        draw = axes.bar if by == "case" else axes.barh
         for name in filter(shares.columns.__contains__, VERDICTS):
-            share, colour = shares[name], VERDICTS[name].face
-            if by == "case":
-                axes.bar(there, share, 0.7, begin, color=colour, **style)
-            else:
-                axes.barh(there, share, 0.7, begin, color=colour, **style)
-            begin = begin + share
+            draw(there, shares[name], 0.7, begin, color=VERDICTS[name].face, **style)
+            begin = begin + shares[name]
     for entry, verdicts in tried.groupby("entry")["verdict"]:
         words = f"{(verdicts == 'accurate').sum()}/{len(verdicts)}"
         bars["entry"].text(1.05, places["entry"][entry], words, va="center", **SMALL)
@@ -240,15 +237,7 @@ def square(verdict: Verdict, mark: str) -> tuple[Line2D, ...]:
 FACES = {"accurate": 1.0, "drifts": 0.35, "wrong": 0.0}
 """How full the marker of a verdict is; the other verdicts have none."""
 
-NAMES = {"accurate": "full: accurate", "drifts": "pale: drifts", "wrong": "empty: wrong"}
-
 MEDIAN = {"color": INK, "linestyle": "", "marker": "|", "markersize": 11, "markeredgewidth": 1.6}
-
-
-def object_to_costs(table: Table) -> str:
-    """The trials have to be known, and one to have gone to its end."""
-    lacks = judged(table.rows).empty
-    return object_to_trials(table) or ("has no trial that went to its end" if lacks else "")
 
 
 def judged(rows: pd.DataFrame) -> pd.DataFrame:
@@ -257,7 +246,12 @@ def judged(rows: pd.DataFrame) -> pd.DataFrame:
 
 
 @figure(
-    needs="orientation_error evaluations inherent_error", objection=object_to_costs, **STABILITY
+    needs="orientation_error evaluations inherent_error",
+    objection=lambda table: (
+        object_to_trials(table)
+        or ("has no trial that went to its end" if judged(table.rows).empty else "")
+    ),
+    **STABILITY,
 )
 def draw_costs(table: Table) -> Figure:
     """Cost and error of the methods, a line per method and a dot per hard case.
@@ -270,10 +264,7 @@ def draw_costs(table: Table) -> Figure:
     # a case without an accurate method is measured by its cheapest trial
     least = least.fillna(rows.groupby("case")["evaluations"].transform("min"))
     ratio = rows["evaluations"] / least
-    places: dict[str, float] = {}
-    for number, entries in enumerate(entries_by_family(rows).values()):
-        # families are half a row apart
-        places |= {entry: len(places) + i + number * 0.5 for i, entry in enumerate(entries)}
+    places = places_of(entries_by_family(rows).values(), 0.5, 0)
     most = max(places.values())
     height = max(0.2 * (most + 1.5), 1.6)
     title = "What the methods cost and reach: a dot for each of "
@@ -294,8 +285,8 @@ def draw_costs(table: Table) -> Figure:
     name_axis(cost.xaxis, "evaluations over those of the cheapest accurate method of the case")
     name_axis(error.xaxis, "largest error of the attitude", "rad")
     handles = [
-        Line2D([], [], label=NAMES[verdict], **marker(Look("o", GREY), fullness))
-        for verdict, fullness in FACES.items()
+        Line2D([], [], label=f"{how}: {verdict}", **marker(Look("o", GREY), fullness))
+        for how, (verdict, fullness) in zip(("full", "pale", "empty"), FACES.items(), strict=True)
         if (rows["verdict"] == verdict).any()
     ]
     handles.append(Line2D([], [], **MEDIAN, label="median of the accurate"))

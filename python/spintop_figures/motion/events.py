@@ -5,24 +5,18 @@ import re
 import numpy as np
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import figure, unless
+from spintop_figures.kinds import figure
 from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
 from spintop_figures.style.page import TIME, name_outer, new_figure, panel_figure
 from spintop_figures.tables.names import axis_of, name_of, sign_of
-from spintop_figures.tables.own_units import converted
-from spintop_figures.tables.table import Table
-
-LEAST_EVENTS = 20
-"""Fewer events of a kind show no section."""
+from spintop_figures.tables.table import Table, converted
 
 COLOUR = LINES[0]["color"]
 
 
-@figure(
-    "events", "t", words="event", objection=unless(lambda table: len(table.rows), "has no events")
-)
+@figure("events", "t", words="event", unless={"has no events": lambda table: len(table.rows)})
 def draw_events(table: Table) -> Figure:
     """Instants of the events of a trajectory.
 
@@ -69,12 +63,12 @@ def describe_event(name: str) -> str:
 
 
 def sections(table: Table) -> list[str]:
-    """The kinds of events that happen often, at different inclinations and nutation rates."""
+    """The kinds of events that happen 20 times, at different inclinations and nutation rates."""
     names = []
     plane = table.rows[["theta", "theta_rate"]]
     least = 1e-6 * plane.abs().max()  # events that hardly differ make no section
     for name, rows in plane.groupby(table.rows["event"], sort=False):
-        if len(rows) >= LEAST_EVENTS and (rows.max() - rows.min() > least).all():
+        if len(rows) >= 20 and (rows.max() - rows.min() > least).all():
             names.append(str(name))
     return names
 
@@ -83,10 +77,7 @@ def sections(table: Table) -> list[str]:
     "events",
     "theta theta_rate",
     words="event",
-    objection=unless(
-        sections,
-        f"has no event that happens {LEAST_EVENTS} times, at inclinations and rates that differ",
-    ),
+    unless={"has no event that happens 20 times, at inclinations and rates that differ": sections},
 )
 def draw_sections(table: Table) -> Figure:
     """Inclination and its rate at frequent events (Poincare sections)."""

@@ -10,26 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from spintop_figures.kinds import figure, unless
+from spintop_figures.kinds import figure
 from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
 from spintop_figures.style.page import TIME, head, new_figure, no_axis
 from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of
-from spintop_figures.tables.own_units import converted
-from spintop_figures.tables.table import Table, TableError, read_table
+from spintop_figures.tables.table import Table, TableError, converted, read_table
 
 ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
 
-PAIR, LEAST_HEIGHT, BELOW = 1.9, 3.4, 1.2
-"""Height of the panels of a column, of all of them at least, and of what is below, in inches."""
-
-OUTLYING = 8
-"""Residuals of more standard deviations, as the median has them, are marked at the edge."""
-
-LEAST, LARGEST = 1e-3, 1e5
-"""Values that are smaller or larger are written with a power of ten in their unit."""
+PAIR, BELOW = 1.9, 1.2
+"""Height of the panels of a column, and of what is below, in inches."""
 
 LINE, LETTERS = 0.185, 30
 """Height of a line of the fitted values in inches, and its letters."""
@@ -57,7 +50,7 @@ def values_beside(table: Table) -> pd.DataFrame | None:
     return other.rows if other is not None and wanted <= {*other.rows} else None
 
 
-@figure("fit", "t", objection=unless(measured_columns, "has no column of residuals"))
+@figure("fit", "t", unless={"has no column of residuals": measured_columns})
 def draw_fit(table: Table) -> Figure:
     """Residuals of a fit against time.
 
@@ -68,7 +61,7 @@ def draw_fit(table: Table) -> Figure:
     across = by_width(2, 1) if len(names) >= 4 else 1  # many stand two abreast
     down = -(-len(names) // across)
     beside = LINE * len(lines) + BELOW
-    height = max(PAIR * down, LEAST_HEIGHT if down == 1 else 0, beside)
+    height = max(PAIR * down, 3.4 if down == 1 else 0, beside)
     height = by_width(height, PAIR * down + beside)
     figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
@@ -117,9 +110,9 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     above.plot(t, fitted, **MOTION)
     above.plot(t, measured, **MEASURED, label="measured")
     head(above, sign_of(found.column if found else name), above.yaxis, unit, pad=3)
-    # residuals so much larger than most that nothing else would be seen beside them
-    size = 1.4826 * np.nanmedian(np.abs(left))  # the standard deviation, of normal residuals
-    outside = np.abs(left) > OUTLYING * size if size > 0 else np.zeros(left.shape, bool)
+    # residuals so much larger than most that nothing else would be seen beside them: at the edge
+    most, size = 8, 1.4826 * np.nanmedian(np.abs(left))  # the deviation, of normal residuals
+    outside = np.abs(left) > most * size if size > 0 else np.zeros(left.shape, bool)
     deviation = float(np.sqrt(np.nanmean(left[~outside] ** 2)))
     below.axhspan(-2 * deviation, 2 * deviation, **BAND)
     below.axhline(0, color=GREY, linewidth=0.8)
@@ -128,7 +121,7 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     words = f"root mean square {size}"
     if outside.any():
         words += f" without {np.count_nonzero(outside)} outliers"
-        edge = OUTLYING * deviation
+        edge = most * deviation
         below.set_ylim(-edge, edge)
         for there, marker in ((left > 0, "^"), (left < 0, "v")):
             place = t[outside & there], np.where(left[outside & there] > 0, 0.9, -0.9) * edge
@@ -146,7 +139,7 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
         lines += [(line, True) for line in textwrap.wrap(name_of(row.parameter), LETTERS)]
         unit = raised(row.unit) if isinstance(row.unit, str) else ""
         size = abs(row.estimate)
-        power = 0 if LEAST <= size < LARGEST or not size else 3 * math.floor(math.log10(size) / 3)
+        power = 0 if 1e-3 <= size < 1e5 or not size else 3 * math.floor(math.log10(size) / 3)
         factor = f"{TIMES}{with_power('1', power)}" if power else ""
         half = (row.upper - row.lower) / 2 / 10.0**power
         decimals = decimals_for(half, 0) if 0 < half < math.inf else 6

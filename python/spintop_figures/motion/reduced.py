@@ -9,12 +9,11 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import LAGRANGE
 from spintop_figures.moving.body import GRAVITY, read_body
-from spintop_figures.style.axes import draw_heads, name_axes, name_axis
+from spintop_figures.style.axes import Places, draw_heads, name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import legend_above, new_figure
@@ -23,9 +22,6 @@ from spintop_figures.tables.table import Table
 
 COLUMNS = "theta theta_rate phi_rate psi_rate kinetic potential"
 """What the reduced motion is found from."""
-
-ROUNDING = 1e-12
-"""Momenta that differ by less, over their size, are equal."""
 
 
 class Reduced(NamedTuple):
@@ -101,7 +97,7 @@ def find_reduced(table: Table) -> Reduced | str:
     cosine, turning = np.cos(start["theta"]), start["phi_rate"] * np.sin(start["theta"])
     l3 = axial * (start["phi_rate"] * cosine + start["psi_rate"])
     lz = inertia * turning * np.sin(start["theta"]) + l3 * cosine
-    if abs(abs(lz) - abs(l3)) <= ROUNDING * abs(l3):
+    if abs(abs(lz) - abs(l3)) <= 1e-12 * abs(l3):  # equal but for rounding
         lz = np.copysign(l3, lz)
     weight = body.mass * table.number("top.gravity", GRAVITY) * body.centre[2]
     energy = inertia * (start["theta_rate"] ** 2 + turning**2) / 2 + weight * cosine
@@ -227,10 +223,6 @@ def draw_levels(axes: Axes, reduced: Reduced, seen: tuple[float, float], fastest
         axes.plot(np.degrees(theta), -branch, **SEPARATRIX)
 
 
-FAR = 6
-"""The inclinations of the curve come as close to the horizontal and to the poles as 10^-FAR."""
-
-
 class Constants:
     """The constants of a motion, in units of m g l and of the momentum about the axis.
 
@@ -254,7 +246,7 @@ class Constants:
         """
         # With w u in place of u and w x in place of x the weight pulls down.
         last = min(1.0, self.strength / 2)
-        near = np.logspace(-FAR, 0, 500) / 2
+        near = np.logspace(-6, 0, 500) / 2  # so near to the horizontal and to the poles
         part = np.concatenate([near, 1 - near[-2::-1]])
         below, whole, above = -part, (1 + last) * part - 1, last * part
         parts = [self._precession(u, fast) for u, fast in ((below, 1), (whole, -1), (above, 1))]
@@ -271,10 +263,6 @@ class Constants:
             return u + square / (p * (1 + root)), -square * root / (p * (1 + root) ** 2)
         away = square * (1 + root) / (2 * u)
         return u + away, away * (p * (1 + root) / (2 * u) - 1)
-
-    def sleeps(self) -> bool:
-        """Whether the sleeping top is stable with this momentum about the axis."""
-        return self.strength >= 2.0  # of L3^2/(2 I1 m g l)
 
 
 def object_to_bifurcation(table: Table) -> str:
@@ -305,14 +293,15 @@ def draw_bifurcation(table: Table) -> Figure:
     for pole in (-1, 1):
         axes.axvline(pole, color=FAINT, linewidth=0.8, zorder=0)
     upright, look = constants.sign, {"color": INK, "zorder": 5, "clip_on": False}
-    face, words = (INK, "sleeping top") if constants.sleeps() else (GROUND, "upright top, unstable")
+    sleeps = constants.strength >= 2.0  # L3^2/(2 I1 m g l)
+    face, words = (INK, "sleeping top") if sleeps else (GROUND, "upright top, unstable")
     axes.plot(upright, 0, "o", **look, mfc=face, label=words)
     axes.plot(-upright, 0, "s", **look, label="hanging top")
     look |= {"color": LINES[3]["color"], "zorder": 6}
     axes.plot(constants.ratio, constants.excess, "D", **look, label="the motion")
     name_regions(axes, ratio, energy, (low, high), edge)
     axes.set(xlim=(-edge, edge), ylim=(low, high))
-    axes.xaxis.set_major_locator(MaxNLocator(by_width(8, 5), steps=(1, 2, 2.5, 5, 10)))
+    axes.xaxis.set_major_locator(Places(by_width(8, 5)))
     sign = "-" if constants.sign > 0 else "+"
     name_axis(axes.xaxis, "ratio of the momenta, $L_z/L_3$")
     name_axis(axes.yaxis, rf"energy, $(E-L_3^2/2I_3)/|mgl|{sign}L_z/L_3$")

@@ -12,11 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.kinds import figure, unless
+from spintop_figures.kinds import figure
 from spintop_figures.motion.trajectory import inclination_extremes, sparseness
-from spintop_figures.style.axes import MANY_POINTS, draw_heads, name_axes
+from spintop_figures.style.axes import MANY_POINTS, Places, draw_heads, name_axes
 from spintop_figures.style.look import (
     DOTS,
     FAINT,
@@ -31,19 +30,13 @@ from spintop_figures.style.look import (
     drawn_width,
 )
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import legend_below, new_figure, no_axis, panel_figure
+from spintop_figures.style.page import legend_below, panel_figure
 from spintop_figures.tables.table import Table
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
 
-ELEVATION = np.radians(28)
-"""How far above the horizon the eye is, where the whole sphere is seen."""
-
-GRID = np.radians(30)
-"""Distance of the circles of the graticule."""
-
-STEPS = 500
-"""Of the search for the least cap, which is off by one part in so many."""
+ELEVATION, GRID = np.radians(28), np.radians(30)
+"""How far above the horizon the eye is where the whole sphere is seen; between the circles."""
 
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
 
@@ -86,21 +79,6 @@ def project(x: np.ndarray, y: np.ndarray, z: np.ndarray, view: View = WHOLE) -> 
     return tuple(a * x + b * y + c * z for a, b, c in (view.right, view.up, view.towards))
 
 
-def find_cap(points: Points) -> tuple[np.ndarray, float]:
-    """The middle of the least cap that holds the points, and its angular radius, rad.
-
-    The middle moves towards the furthest point by ever shorter steps (Badoiu and Clarkson 2003).
-    """
-    directions = np.array(points)
-    middle = directions[:, 0].copy()
-    for step in range(2, STEPS):
-        furthest = directions[:, np.argmin(middle @ directions)]
-        middle += (furthest - middle) / step
-    size = np.linalg.norm(middle)
-    middle = middle / size if size > 0 else WHOLE.towards
-    return middle, radius_about(middle, directions)
-
-
 def radius_about(middle: np.ndarray, directions: np.ndarray) -> float:
     """The largest angle between a direction and others, rad; also where it is tiny."""
     chord = np.linalg.norm(directions - middle[:, np.newaxis], axis=0).max()
@@ -109,12 +87,16 @@ def radius_about(middle: np.ndarray, directions: np.ndarray) -> float:
 
 def view_of(points: Points) -> View:
     """The view of a path: of the whole sphere, or of a small cap from straight above it."""
-    middle, radius = find_cap(points)
+    directions = np.array(points)
+    middle = directions.max(axis=1) + directions.min(axis=1)  # of the box about the path
+    size = np.linalg.norm(middle)
+    middle = middle / size if size > 0 else WHOLE.towards
+    radius = radius_about(middle, directions)
     if not 0 < radius < np.radians(35):  # a smaller cap is seen through a window
         return WHOLE
     pole = np.array([0.0, 0.0, np.copysign(1.0, middle[2])])
     if np.linalg.norm(middle - pole) < 0.2 * radius:  # about a pole: from straight above
-        middle, radius = pole, radius_about(pole, np.array(points))
+        middle, radius = pole, radius_about(pole, directions)
     upright = np.array([0.0, 1.0, 0.0]) if abs(middle[2]) == 1 else np.array([0.0, 0.0, 1.0])
     up = upright - (upright @ middle) * middle
     up /= np.linalg.norm(up)
@@ -309,23 +291,19 @@ def tell_turn(degrees: float) -> str:
 MOTIONS = {
     "kind": "trajectory",
     "needs": "theta phi",
-    "objection": unless(lambda table: path_of(table).size, "has no row with both angles"),
+    "unless": {"has no row with both angles": lambda table: path_of(table).size},
 }
 
 
 @figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
-    count = len(tables)
-    across = min(count, by_width(3, 2))
-    down = -(-count // across)
+    across = min(len(tables), by_width(3, 2))
     side = min(4.6, drawn_width() / across)
-    # with the vertical, and words above
-    height = 0.8 + down * (1.1 * side + 0.65)
-    figure = new_figure(tables, "Path of the axis tip on the unit sphere", height)
-    grid = figure.add_gridspec(down + 1, across, height_ratios=[*[side] * down, 0.25])
-    places = [*(grid[place] for place in np.ndindex(down, across))][:count]
-    *panels, key = (no_axis(figure.add_subplot(place)) for place in (*places, grid[down, :]))
+    grid = {"share": "", "has_foot": True, "across": across}
+    row = 1.1 * side + 0.65  # with the vertical, and words above
+    title = "Path of the axis tip on the unit sphere"
+    figure, panels = panel_figure(tables, title, len(tables), row, 0, 0.8, **grid)
     drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=True)]
     views, joined, nutates = map(list, zip(*drawn, strict=True))
     handles = path_handles(views, joined)
@@ -333,10 +311,10 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
     for axes, table in zip(panels, tables, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
-        words = "\n".join([title] * (count > 1) + tell_path(table))  # one has it below the figure
+        alone = len(tables) == 1  # it has its title below the figure
+        words = "\n".join([title] * (not alone) + tell_path(table))
         axes.set_title(words, loc="center", fontsize="small", pad=2)
-    place = {"loc": "center", "columnspacing": 1.2, "handletextpad": 0.4}
-    key.legend(handles=handles, **place, ncols=by_width(5, 2))
+    legend_below(panels, handles, by_width(5, 2))
     return figure
 
 
@@ -352,10 +330,6 @@ def three_panels(table: Table, title: str) -> tuple[Figure, list[Axes]]:
     figure, panels = panel_figure(table, title, 3, 3.5, 0, 0.1, **shape)
     figure.get_layout_engine().set(wspace=0.08)
     return figure, panels
-
-
-PATH_ROOM = 1.1
-"""What is seen, over the extent of the path."""
 
 
 @figure("trajectory", "com_x com_y com_z")
@@ -404,25 +378,24 @@ def draw_path_plane(
 def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -> None:
     """A square about the path, or about its sphere; a flat path has a scale of its own upward."""
     low, high = (np.array([end(part) for part in path]) for end in (np.nanmin, np.nanmax))
-    half = PATH_ROOM * max(high - low) / 2
+    low, high = 1.05 * low - 0.05 * high, 1.05 * high - 0.05 * low  # with room about the path
+    half = max(high - low) / 2
     half = half if 0 < 1.5 * half < radius else 1.05 * (radius or 1.0)
     middle = (low + high) / 2 if half < radius else np.zeros(2)
     axes.set_xlim(middle[0] - half, middle[0] + half)
     width, height = high - low
     if half < radius and 0 < height < 0.25 * width:  # upward a scale of its own
-        axes.set_ylim(middle[1] - PATH_ROOM * height / 2, middle[1] + PATH_ROOM * height / 2)
+        axes.set_ylim(low[1], high[1])
         axes.set_box_aspect(1)
     else:
         axes.set_ylim(middle[1] - half, middle[1] + half)
         axes.set_aspect("equal")
-    axes.xaxis.set_major_locator(MaxNLocator(3))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.xaxis.set_major_locator(Places(3))
+    axes.yaxis.set_major_locator(Places(4))
 
 
 BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
 TOUCH = {"color": INK, "linewidth": 1.3}
-
-ANGLES = ("phi", "theta", "psi")
 
 
 def turn_by_euler(vector: np.ndarray, phi: object, theta: object, psi: object) -> np.ndarray:
@@ -433,19 +406,11 @@ def turn_by_euler(vector: np.ndarray, phi: object, theta: object, psi: object) -
     return np.array([x * np.cos(phi) - y * np.sin(phi), x * np.sin(phi) + y * np.cos(phi), z])
 
 
-def in_body(table: Table) -> np.ndarray:
-    """The angular velocity in body axes; components by rows."""
-    return np.array([table.column(f"omega{i}") for i in (1, 2, 3)])
-
-
-def in_space(table: Table) -> np.ndarray:
-    """The angular velocity in space axes; components by rows."""
-    return turn_by_euler(in_body(table), *map(table.column, ANGLES))
-
-
-def body_at_start(table: Table) -> np.ndarray:
-    """The angular velocities of body axes, placed in space by the attitude of the first row."""
-    return turn_by_euler(in_body(table), *(table.column(name)[0] for name in ANGLES))
+def in_body_and_space(table: Table) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The angular velocity in body axes, in space, and as the body lies at the start; by rows."""
+    body = np.array([table.column(f"omega{i}") for i in (1, 2, 3)])
+    angles = [table.column(name) for name in ("phi", "theta", "psi")]
+    return body, turn_by_euler(body, *angles), turn_by_euler(body, *(each[0] for each in angles))
 
 
 @figure("trajectory", "phi theta psi omega1 omega2 omega3")
@@ -454,17 +419,18 @@ def draw_cones(table: Table) -> Figure:
     title = "Angular velocity: polhode cone of the body, rolling on the herpolhode cone in space"
     figure, (globe, body, space) = three_panels(table, title)
     draw_globe(globe)
-    draw_cone(globe, in_space(table), FRONT, BACK)
-    draw_cone(globe, body_at_start(table), BODY, BODY | {"color": PALE, "linewidth": 1.1})
-    touch = directions(in_space(table))[:, :1]
+    in_body, in_space, at_start = in_body_and_space(table)
+    draw_cone(globe, in_space, FRONT, BACK)
+    draw_cone(globe, at_start, BODY, BODY | {"color": PALE, "linewidth": 1.1})
+    touch = directions(in_space)[:, :1]
     if touch.size:
         (x,), (y,), _ = project(*touch)
         globe.plot([0, x], [0, y], **TOUCH, zorder=4)
         globe.annotate(r"$\omega$", (x, y), (4, 4), textcoords="offset points", zorder=6)
     globe.plot(0, 0, "o", color=GREY, markersize=2.5, zorder=4)
     globe.set_title("directions, at the start", loc="center")
-    draw_cone_plane(body, in_body(table), BODY | {"linestyle": "-"}, "12", "in the body")
-    draw_cone_plane(space, in_space(table), FRONT, "xy", "in space, from above")
+    draw_cone_plane(body, in_body, BODY | {"linestyle": "-"}, "12", "in the body")
+    draw_cone_plane(space, in_space, FRONT, "xy", "in space, from above")
     handles = [
         Line2D([], [], **BODY, label="cone of the body"),
         Line2D([], [], **FRONT, label="cone in space"),
@@ -511,7 +477,7 @@ def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, head
     mark_ends(axes, x, y)
     side = 1.08 * float(np.nanmax(np.abs(omega[:2]))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
-    axes.xaxis.set_major_locator(MaxNLocator(4))
-    axes.yaxis.set_major_locator(MaxNLocator(4))
+    axes.xaxis.set_major_locator(Places(4))
+    axes.yaxis.set_major_locator(Places(4))
     name_axes(axes, *((rf"$\omega_{name}$", "rad/s") for name in names))
     axes.set_title(heading)

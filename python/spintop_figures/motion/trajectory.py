@@ -8,18 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from spintop_figures.kinds import figure, unless
+from spintop_figures.kinds import figure
 from spintop_figures.motion.reduced import COLUMNS, find_reduced
 from spintop_figures.moving.assumptions import LAGRANGE, broken
 from spintop_figures.style.axes import draw_line, draw_sizes, name_axis, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, OURS, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
 from spintop_figures.style.page import Page, legend_above, time_panels
-from spintop_figures.tables.names import axis_of, name_of
+from spintop_figures.tables.names import axis_of, columns_of, name_of, units_of_columns
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import columns_of, units_of_columns
-
-NEEDS = COLUMNS.split()
 
 
 class Extreme(NamedTuple):
@@ -27,10 +24,6 @@ class Extreme(NamedTuple):
 
     value: float
     of_rows: bool
-
-    def note(self, side: str) -> str:
-        """What a label of the "least" or "largest" says first if the motion may go further."""
-        return f"{side} row: " if self.of_rows else ""
 
 
 def extremes_of_rows(values: np.ndarray) -> tuple[Extreme, Extreme]:
@@ -45,9 +38,10 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     others, and those of any body that is not a symmetric top, are extremes of the rows.
     """
     least, largest = extremes_of_rows(table.rows["theta"].to_numpy(float))
+    needs = COLUMNS.split()
     if largest.value - least.value < 1e-9:  # a steady precession
         return least._replace(of_rows=False), largest._replace(of_rows=False)
-    if table.missing(NEEDS) or table.empty(NEEDS) or broken(LAGRANGE, table):
+    if table.missing(needs) or table.empty(needs) or broken(LAGRANGE, table):
         return least, largest
     reduced = find_reduced(table)
     kinetic, potential = (table.column(name) for name in ("kinetic", "potential"))
@@ -89,10 +83,6 @@ def sparseness(*path: np.ndarray) -> str:
     if arc <= np.radians(15):  # else a line would be a guess
         return ""
     return f"points only: rows are up to {write_fixed(np.degrees(arc), 0)}° apart"
-
-
-SAME, MOST_INCLINATIONS = 1.0, 3
-"""Sign changes at inclinations that differ by fewer degrees are at one; more are not marked."""
 
 
 def panels(table: Table, title: str, **columns: str) -> tuple[Page, list[Axes]]:
@@ -163,7 +153,8 @@ def mark_extremes(axes: Axes, ends: Sequence[Extreme], unit: str, decimals: int)
     for end, (which, side, shift) in zip(ends, sides, strict=True):
         axes.axhline(end.value, color=FAINT, linewidth=0.8, zorder=0)
         if decimals <= 8:  # else they differ in further decimals only
-            words = f"{end.note(which)}{write_fixed(end.value, decimals)}{unit}"
+            words = f"{which} row: " if end.of_rows else ""  # the motion may go further
+            words += f"{write_fixed(end.value, decimals)}{unit}"
             axes.annotate(words, (0.99, end.value), (0, shift), va=side, **style)
 
 
@@ -195,8 +186,9 @@ def share_limits(*panels: Axes) -> None:
 def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarray) -> None:
     """Dots where a quantity changes its sign, and the inclinations at which it does.
 
-    It is a function of the inclination. If it changes its sign at more than a few of them, or
-    nearly from row to row, it is zero but for rounding, and no sign means anything.
+    It is a function of the inclination. If it changes its sign at more than three of them, which
+    differ by a degree, or nearly from row to row, it is zero but for rounding, and no sign means
+    anything.
     """
     before = np.flatnonzero(y[:-1] * y[1:] < 0)
     share = y[before] / (y[before] - y[before + 1])
@@ -204,10 +196,10 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
         values[before] + share * np.diff(values)[before] for values in (t, np.degrees(theta))
     )
     ordered = np.sort(inclinations)
-    groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= SAME) + 1)
-    is_chain = any(np.ptp(group) >= SAME for group in groups if group.size)
+    groups = np.split(ordered, np.flatnonzero(np.diff(ordered) >= 1) + 1)
+    is_chain = any(np.ptp(group) >= 1 for group in groups if group.size)
     is_rounding = times.size > 0.25 * y.size or is_chain
-    if not times.size or len(groups) > MOST_INCLINATIONS or is_rounding:
+    if not times.size or len(groups) > 3 or is_rounding:
         return
     axes.plot(times, np.zeros_like(times), "o", color=LINES[1]["color"], markersize=2.8)
     firsts = (next(i for i in inclinations if g.min() <= i <= g.max()) for g in groups)
@@ -219,11 +211,7 @@ def mark_sign_changes(axes: Axes, t: np.ndarray, y: np.ndarray, theta: np.ndarra
 @figure("trajectory", "t force_r force_n force_z")
 def draw_support(table: Table) -> Figure:
     """Support force in the plane of the axis and normal to it, against time."""
-    columns = {
-        "force_r": "outward force $F_r$",
-        "force_n": "force along the nodes $F_n$",
-        "force_z": "upward force $F_z$",
-    }
+    columns = {"force_r": "", "force_n": "", "force_z": "upward force $F_z$"}
     title = "Support force: outward, along the nodes and upward"
     figure, (*_, size) = panels(table, title, **columns)
     draw_line(size, table.column("t"), np.sqrt(sum(table.column(name) ** 2 for name in columns)))
@@ -239,17 +227,18 @@ AREAS = (f"{OURS}area1", LINES[2]["color"], LINES[3]["color"], FAULT, f"{OURS}ar
 @figure(
     "trajectory",
     "t theta omega3 energy energy_error work",
-    objection=unless(
-        lambda table: table.rows["energy_error"].any(), "has no energy error that is not zero"
-    ),
+    unless={"has no energy error that is not zero": lambda table: table.rows["energy_error"].any()},
 )
 def draw_account(table: Table) -> Figure:
     """Inclination, spin, and account of energy under effects, against time."""
-    title, ratios = "Inclination, spin and energy budget", (1, 1, 1.4, 1)
-    figure, (theta, spin, energy, error) = time_panels(
-        table, title, 4, 7.4, 1, height_ratios=ratios
-    )
-    t, works = table.column("t"), works_of(table)
+    title, grid = "Inclination, spin and energy budget", {"across": 1, "ratios": (1, 1, 1.4, 1)}
+    figure, (theta, spin, energy, error) = time_panels(table, title, 4, 7.4, **grid)
+    t, rows = table.column("t"), table.rows
+    names = [name for name in columns_of("trajectory") if name.startswith("work_")]
+    acting = [name for name in names if name in rows and rows[name].any()]
+    acting.sort(key=lambda name: -np.abs(rows[name]).max())  # the largest first
+    works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
+    works = works or {"effects": table.column("work")}
     draw_column(theta, table, "theta", axis_of("theta", between="\n"))
     draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
     largest = max(np.nanmax(np.abs(work)) for work in works.values())
@@ -258,15 +247,6 @@ def draw_account(table: Table) -> Figure:
     draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
     name_axis(error.yaxis, "error of the\nbalance (relative)")
     return figure
-
-
-def works_of(table: Table) -> dict[str, np.ndarray]:
-    """The works that are not zero throughout, by what does them, the largest first."""
-    names = [name for name in columns_of("trajectory") if name.startswith("work_")]
-    acting = [name for name in names if name in table.rows and table.rows[name].any()]
-    acting.sort(key=lambda name: -np.abs(table.rows[name]).max())
-    works = {name_of(name).removeprefix("work of "): table.column(name) for name in acting}
-    return works or {"effects": table.column("work")}
 
 
 def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:

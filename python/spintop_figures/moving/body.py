@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from spintop_figures.tables.table import Table, is_word
+from spintop_figures.tables.table import Table
 
 BODY = re.compile(
     r"mass (\S+) kg; inertia (.+?) kg m\^2 about the pivot; centre of mass (.+?) m"
@@ -119,19 +119,15 @@ def shape_drawing(table: Table, body: Body) -> Drawing | None:
     if table.setting("top.shape") not in SHAPES:
         return None
     kind, keys, name = SHAPES[table.setting("top.shape")]
-    texts = {extent: table.setting(f"top.{key}") for extent, key in keys.items()}
-    if any(not text or is_word(text) for text in texts.values()):
+    extents = {extent: table.number(f"top.{key}") for extent, key in keys.items()}
+    largest = max(size for extent, size in extents.items() if extent != "inner")
+    if not (np.isfinite([*extents.values()]).all() and 0 < largest < LARGEST):
         return None
-    extents = {extent: float(text) for extent, text in texts.items()}
-    sizes = [size for extent, size in extents.items() if extent != "inner"]
-    if not 0 < max(sizes) < LARGEST:
-        return None
-    drawn = dict(extents)
     label = f"The body is {name}, drawn to scale."
     if extents.get("height", 1.0) < THINNEST * extents["radius"]:
-        drawn["height"] = THINNEST * extents["radius"]
+        extents["height"] = THINNEST * extents["radius"]
         label = f"The body is {name}, drawn to scale but for its thickness, which is smaller."
-    return Drawing([as_solid(kind, np.eye(3), body.centre, **drawn)], label)
+    return Drawing([as_solid(kind, np.eye(3), body.centre, **extents)], label)
 
 
 def part_solid(table: Table, group: str) -> dict[str, object] | None:
@@ -198,31 +194,20 @@ def equivalent_solid(body: Body, inertia: np.ndarray) -> dict[str, object] | Non
     return as_solid("cuboid", axes, body.centre, edges=edges)
 
 
-def name_of(solid: dict[str, object]) -> str:
-    """What a reader calls a homogeneous solid."""
-    if solid["kind"] != "cylinder":
-        return str(solid["kind"])
-    return "disc" if solid["height"] < 0.5 * solid["radius"] else "cylinder"
-
-
 def draw_body(table: Table, body: Body) -> Drawing:
     """The solids for a body: its shape, or a homogeneous solid of its mass properties."""
     if shape := shape_drawing(table, body) or part_drawing(table):
         return shape
-    if exists(body):
-        solid = equivalent_solid(body, central_inertia(body))
-        if solid is None:
-            return Drawing([], "The body is a point mass on a massless rod.")
-        label = (
-            f"Only mass properties are given: the homogeneous {name_of(solid)} with the same mass, "
-            "centre of mass and moments of inertia is drawn."
-        )
-        return Drawing([solid], label)
-    solid = equivalent_solid(body, np.diag(body.inertia))
+    is_known = exists(body)
+    inertia = central_inertia(body) if is_known else np.diag(body.inertia)
+    solid = equivalent_solid(body, inertia)
     if solid is None:
-        return Drawing([], NO_SUCH_BODY)
-    label = (
-        f"{NO_SUCH_BODY} The homogeneous {name_of(solid)} with these moments about its centre of "
-        "mass is drawn."
-    )
+        point = "The body is a point mass on a massless rod."
+        return Drawing([], point if is_known else NO_SUCH_BODY)
+    is_disc = solid["kind"] == "cylinder" and solid["height"] < 0.5 * solid["radius"]
+    what = f"homogeneous {'disc' if is_disc else solid['kind']}"
+    label = f"{NO_SUCH_BODY} The {what} with these moments about its centre of mass is drawn."
+    if is_known:
+        same = "mass, centre of mass and moments of inertia"
+        label = f"Only mass properties are given: the {what} with the same {same} is drawn."
     return Drawing([solid], label)

@@ -16,8 +16,9 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.text import Text
 from matplotlib.ticker import (
+    AutoLocator,
+    EngFormatter,
     Formatter,
-    Locator,
     LogFormatterSciNotation,
     LogLocator,
     MaxNLocator,
@@ -33,24 +34,16 @@ from spintop_figures.tables.names import with_unit
 LEAST_TICK, LARGEST_TICK = 0.01, 1e4
 """Axes whose numbers are all smaller or reach beyond have a prefix before their unit."""
 
-PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G"}
 BOTH_WAYS = ("m", "J", "N", "N m")
 DOWN_ONLY = ("s", "J s", "rad", "rad/s", "m/s")
 """Units with prefixes; of the second ones for tiny numbers only."""
 
-DEGREES, TURN = ("degrees", "deg"), 360.0
-NOISE, FLAT = 1e-12, 0.05
-"""A range that is a smaller part of the numbers is of rounding, and what is shown around it."""
-
-FEW_DECADES, SHORT = 100, (1e-3, 1e4)
-"""A log axis has no powers of ten where its ends are nearer, and are between these numbers."""
+DEGREES = ("degrees", "deg")
 
 LETTERS, MOST_LETTERS = 14, 40
 """Letters of the usual size in an inch, and those of a line in a panel without a grid."""
 
 FORMULA = re.compile(r"\$[^$]*\$")
-SILENT = re.compile(r"\\[a-z]+|[{}$_^\\, ]")
-"""What of a formula takes no room, or that of a letter."""
 
 
 class Scale(NamedTuple):
@@ -75,7 +68,7 @@ def scale_for(low: float, high: float, unit: str) -> Scale:
     if not largest or not math.isfinite(largest):
         return Scale(unit=unit)
     if unit in DEGREES and largest >= LARGEST_TICK:
-        return Scale(1 / TURN, "turns", origin)
+        return Scale(1 / 360, "turns", origin)
     factor = 1.0
     if unit in DEGREES and largest < LEAST_TICK:
         factor, unit = math.pi / 180, "rad"
@@ -83,8 +76,8 @@ def scale_for(low: float, high: float, unit: str) -> Scale:
     power = 3 * math.floor(math.log10(largest) / 3)
     is_tiny = largest < LEAST_TICK and unit in BOTH_WAYS + DOWN_ONLY
     is_huge = largest >= LARGEST_TICK and unit in BOTH_WAYS
-    if (is_tiny or is_huge) and power in PREFIXES:
-        return Scale(factor * 10.0**-power, PREFIXES[power] + unit, origin)
+    if (is_tiny or is_huge) and -12 <= power <= 9:
+        return Scale(factor * 10.0**-power, EngFormatter.ENG_PREFIXES[power] + unit, origin)
     return Scale(factor, unit, origin)
 
 
@@ -131,26 +124,17 @@ class Numbers(Formatter):
         return with_comma(text) if self.comma else text
 
 
-class Places(Locator):
+class Places(MaxNLocator):
     """Ticks at round numbers as they are written, which may be turns, or differences."""
 
-    def __init__(self, inner: MaxNLocator, numbers: Numbers) -> None:
-        self.inner, self.numbers = inner, numbers
-
-    def set_axis(self, axis: Axis) -> None:
-        """Have both know the axis."""
-        super().set_axis(axis)
-        self.inner.set_axis(axis)
-
-    def __call__(self) -> np.ndarray:
-        """The places of the ticks."""
-        return self.tick_values(*self.axis.get_view_interval())
+    def __init__(self, nbins: int | str = "auto") -> None:
+        super().__init__(nbins, steps=(1, 2, 2.5, 5, 10))
 
     def tick_values(self, vmin: float, vmax: float) -> np.ndarray:
         """The places of ticks between two numbers of the axis."""
-        scale = self.numbers.scale()
-        ticks = self.inner.tick_values(*scale.shown((vmin, vmax)))
-        return ticks / scale.factor + scale.origin
+        numbers = self.axis.get_major_formatter()
+        scale = numbers.scale() if isinstance(numbers, Numbers) else Scale()
+        return super().tick_values(*scale.shown((vmin, vmax))) / scale.factor + scale.origin
 
 
 class Powers(LogFormatterSciNotation):
@@ -165,7 +149,7 @@ class Powers(LogFormatterSciNotation):
         if not super().__call__(x, pos):
             return ""
         low, high = sorted(self.axis.get_view_interval())
-        is_short = high < FEW_DECADES * low and SHORT[0] <= low and high <= SHORT[1]
+        is_short = high < 100 * low and low >= 1e-3 and high <= 1e4  # it needs no powers of ten
         mantissa, power = f"{x:.0e}".split("e")
         text = write(x) if self.plain or is_short else with_power(mantissa, int(power))
         return with_comma(text) if self.comma else text
@@ -198,20 +182,19 @@ def name_axis(
     if not isinstance(numbers, Numbers):  # else of a panel that shares the axis
         numbers = Numbers(words, unit, after)
         axis.set_major_formatter(numbers)
-        if isinstance(axis.get_major_locator(), MaxNLocator):
-            axis.set_major_locator(Places(axis.get_major_locator(), numbers))
+        if isinstance(axis.get_major_locator(), AutoLocator):
+            axis.set_major_locator(Places())
     numbers.holders.append((holder, letters))
     low, high = axis.get_view_interval()
-    if 0 < abs(high - low) < NOISE * abs(low + high) / 2:  # what is constant is a flat line
-        room = FLAT * abs(low + high) / 2
+    if 0 < abs(high - low) < 1e-12 * abs(low + high) / 2:  # of rounding: a flat line
+        room = 0.05 * abs(low + high) / 2
         getattr(axes, f"set_{axis.axis_name}lim")(min(low, high) - room, max(low, high) + room)
 
 
-def name_axes(axes: Axes, x: tuple[str, ...] = (), y: tuple[str, ...] = ()) -> None:
+def name_axes(axes: Axes, x: tuple[str, ...], y: tuple[str, ...]) -> None:
     """Name both axes, each by words and a unit."""
-    for axis, name in ((axes.xaxis, x), (axes.yaxis, y)):
-        if name:
-            name_axis(axis, *name)
+    name_axis(axes.xaxis, *x)
+    name_axis(axes.yaxis, *y)
 
 
 def letters_of(axes: Axes, side: str) -> int:
@@ -229,14 +212,11 @@ def letters_of(axes: Axes, side: str) -> int:
 def wrapped(text: str, letters: int) -> str:
     """A text in lines of so many letters; formulas are not broken."""
     formulas = iter(FORMULA.findall(text))
-    text = FORMULA.sub(lambda each: "\0" * max(len(SILENT.sub("", each[0])), 1), text)
+    silent = r"\\[a-z]+|[{}$_^\\, ]"  # what takes no room, or that of a letter
+    text = FORMULA.sub(lambda each: "\0" * max(len(re.sub(silent, "", each[0])), 1), text)
     lines = itertools.chain(*(textwrap.wrap(line, letters) or [""] for line in text.split("\n")))
     return re.sub("\0+", lambda _: next(formulas), "\n".join(lines))
 
-
-WIDE_RANGE, USUAL = 3e4, 0.2
-"""A quantity goes on a log axis if its largest size is more than so many times the size that it
-exceeds in all but this part of the rows. The paper's residuals stay on linear ones, as printed."""
 
 MANY_POINTS = 20_000
 """Longer lines are stored as pixels in an SVG."""
@@ -260,9 +240,13 @@ def draw_heads(axes: Axes, x: np.ndarray, y: np.ndarray, places: Iterable[int]) 
 
 
 def has_wide_range(y: np.ndarray) -> bool:
-    """Whether a linear axis would show nothing but the largest values."""
+    """Whether a linear axis would show nothing but the largest values.
+
+    The largest is so many times what all but a fifth of the rows exceed that the paper's residuals
+    stay on linear axes, as printed.
+    """
     sizes = np.abs(y[np.isfinite(y) & (y != 0)])
-    return sizes.size > 0 and sizes.max() / WIDE_RANGE > np.quantile(sizes, USUAL)
+    return sizes.size > 0 and sizes.max() / 3e4 > np.quantile(sizes, 0.2)
 
 
 def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:

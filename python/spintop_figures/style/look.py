@@ -1,5 +1,6 @@
 """The look of all figures: colours by their role, settings of matplotlib, what a user asks for."""
 
+import csv
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -18,56 +19,13 @@ CENTIMETRE = 1 / 2.54
 WIDTHS = {"column": 8.5, "page": 18.3, "slide": 25.4}
 """Widths of figures by their names, in centimetres: of a column and a page of print, of a slide."""
 
-NARROWEST, WIDEST = 6.0, 100.0
-"""In centimetres."""
+WIDTH, LETTERS, SMALLEST = 7.2, 10.0, 6.5
+"""Inches of a page, points of its letters and of the smallest that can be read."""
 
-WIDTH, NARROW = 7.2, 5.0
-"""Inches of a page, and of the usual letters up to which panels stand below each other."""
-
-LETTERS, LEAST_LETTERS, SMALLEST = 10.0, 8.0, 6.5
-"""Points of the letters of a page, of narrow figures, and of the smallest that can be read."""
-
-HEADS = 0.95
-"""Size of the headings of panels over that of other letters."""
-
-ROLES = {
-    "ink": ("#000000", "#eeeeee"),
-    "ground": ("#ffffff", "#1a1a1a"),
-    "grey": ("#595959", "#9a9a9a"),
-    "faint": ("#cccccc", "#3c3c3c"),
-    "wash": ("#f9f9f9", "#212121"),
-    "fault": ("#b0392a", "#f07361"),
-    "band": ("#d3e8f0", "#20414d"),
-    "line1": ("#12355b", "#7fa5d3"),
-    "line2": ("#d1641b", "#eb7b39"),
-    "line3": ("#2da4a1", "#40b2af"),
-    "line4": ("#8a6fae", "#d9c4f2"),
-    "pale1": ("#9db3cb", "#4d6a8c"),
-    "pale2": ("#f0c4a6", "#7a4823"),
-    "area1": ("#e39b35", "#d48d21"),
-    "area5": ("#7f7f7f", "#767676"),
-    "failed": ("#1c1c1c", "#b9b9b9"),
-    "other": ("#7f7f7f", "#767676"),
-}
-"""Colours on light and on dark ground. The first are far apart in lightness, for grey print."""
-
-FAMILIES = (
-    "#000000 #d1641b #8a6fae #7a2048 #2da4a1 #c78803 #12355b #2f7d32 #a61e65 "
-    "#5c8292 #765237 #8a9050",
-    "#eeeeee #eb7b39 #ab8fd1 #dd7a9f #40b2af #d0901a #7fa5d3 #66b466 #f067a4 "
-    "#7ea5b6 #bd9578 #9ea564",
-)
-"""Of families of methods, in the order of the registry."""
-
-CLASSES = (
-    "#12355b #d1641b #93cfc0 #7a5195 #e3c65b #2f6f4f #a9a9a9 #5f1f2a #6fa8dc",
-    "#7fa5d3 #eb7b39 #02695c #b58ad2 #8a7414 #6faf8c #5c5c5c #d2868e #3f78ad",
-)
-"""Of classes of motion; the first three are far apart in lightness."""
-
-for role, pair in (("family", FAMILIES), ("class", CLASSES)):
-    colours = zip(*map(str.split, pair), strict=True)
-    ROLES |= {f"{role}{number}": both for number, both in enumerate(colours, start=1)}
+with Path(__file__).with_name("colours.csv").open(encoding="utf-8", newline="") as file:
+    ROLES = {row["role"]: (row["light"], row["dark"]) for row in csv.DictReader(file)}
+"""Colours on light and on dark ground. Those of lines, and the first three of classes of motion,
+are far apart in lightness, for grey print; families of methods are in the registry's order."""
 
 OURS = "spintop:"
 INK, GROUND, GREY, FAINT, WASH, FAULT, HIDDEN, PALE = (
@@ -158,9 +116,8 @@ class Options:
         except ValueError:
             known = ", ".join(WIDTHS)
             raise ValueError(f"a width is {known} or centimetres, not {self.width!r}") from None
-        if not NARROWEST <= width <= WIDEST:
-            limits = f"{NARROWEST:g} to {WIDEST:g} centimetres"
-            raise ValueError(f"a width is {limits}, not {self.width}")
+        if not 6 <= width <= 100:
+            raise ValueError(f"a width is 6 to 100 centimetres, not {self.width}")
         return width * CENTIMETRE
 
     def sheet(self) -> dict[str, Any]:
@@ -178,11 +135,6 @@ class Options:
             raise ValueError(f"there is no style sheet {self.style}: {cause}") from None
         except UnicodeDecodeError:
             raise ValueError(f"{self.style} is no style sheet") from None
-
-    def letters(self) -> float:
-        """Points of the letters: they grow with the page, and shrink a little."""
-        size = self.font_size or self.sheet().get("font.size")
-        return float(size or max(LEAST_LETTERS, LETTERS * self.inches() / WIDTH))
 
 
 DEFAULT = Options()
@@ -213,16 +165,17 @@ set_colours()
 def the_look(options: Options = DEFAULT) -> Iterator[None]:
     """A context in which matplotlib has this look, a style sheet's in part, and LaTeX if it can."""
     sheet = options.sheet()
+    letters = options.font_size or sheet.get("font.size")
+    letters = letters or max(8.0, LETTERS * options.inches() / WIDTH)  # they shrink a little
     set_colours(sheet, options.dark)
     if options.dark:
         sheet = {key: value for key, value in sheet.items() if not key.endswith("color")}
     sizes = [key for key in SETTINGS if key.endswith(("labelsize", "titlesize", "fontsize"))]
     kept = {key: value for key, value in sheet.items() if key not in sizes}
-    page = {"font.size": options.letters(), "figure.figsize": (options.inches(), WIDTH)}
-    page["axes.titlesize"] = HEADS * options.letters()
+    page = {"font.size": letters, "figure.figsize": (options.inches(), WIDTH)}
+    page["axes.titlesize"] = 0.95 * letters
     for key in ("lines.linewidth", "lines.markersize"):
-        size = kept.get(key) or SETTINGS[key]
-        page[key] = size * options.letters() / LETTERS
+        page[key] = (kept.get(key) or SETTINGS[key]) * letters / LETTERS
     if kept.get("text.usetex", mpl.rcParams["text.usetex"]):
         page["text.usetex"] = bool(shutil.which("latex") and shutil.which("dvipng"))
     token = COMMA.set(options.decimal_comma)
@@ -240,13 +193,13 @@ def scale() -> float:
 
 def drawn_width() -> float:
     """The width of a figure in inches of the usual letters; outside of the look that of a page."""
-    has_look = mpl.rcParams["svg.hashsalt"] == SETTINGS["svg.hashsalt"]
+    has_look = mpl.rcParams["svg.hashsalt"] == "spintop"
     return float(mpl.rcParams["figure.figsize"][0]) / scale() if has_look else WIDTH
 
 
 def by_width(wide: Any, narrow: Any) -> Any:
     """The first on a figure as wide as a page, the second on one as narrow as a column."""
-    return wide if drawn_width() > NARROW else narrow
+    return wide if drawn_width() > 5.0 else narrow
 
 
 def lightness(colour: object) -> float:

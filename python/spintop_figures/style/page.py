@@ -1,15 +1,28 @@
-"""The page of a figure: its title above, its caption below, and its panels."""
+"""The page of a figure: its title above, its caption below, its panels; and its files.
+
+Files are PNG, SVG, PDF and others, with the provenance in their metadata: title, run and program of
+the tables, in words.
+"""
 
 import math
+import os
 import textwrap
+import warnings
 from collections.abc import Sequence
+from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
-from matplotlib.backend_bases import RendererBase
+from matplotlib.backend_bases import FigureCanvasBase, RendererBase
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from spintop_figures.style.axes import letters_of, name_axis, wrapped
 from spintop_figures.style.look import (
@@ -18,23 +31,21 @@ from spintop_figures.style.look import (
     GREY,
     LETTERS,
     SMALLEST,
+    WIDTH,
     Options,
     by_width,
     drawn_width,
     scale,
     the_look,
 )
-from spintop_figures.style.provenance import caption_of, provenance_of
-from spintop_figures.tables.characters import TableError
-from spintop_figures.tables.table import Table
+from spintop_figures.style.numbers import write, write_count
+from spintop_figures.tables.names import is_good_end, name_of
+from spintop_figures.tables.table import Table, TableError, printable
 
-TITLE_LETTERS, CAPTION_LETTERS = 10.3, 15
-"""Letters in an inch of titles and captions."""
+TITLE_LETTERS = 10.3
+"""Letters in an inch of titles."""
 
 TIME = "time t", "s"
-
-LABELS = {"x": "labelbottom", "y": "labelleft"}
-"""The settings of the numbers at the ticks of an axis."""
 
 
 class Page(Figure):
@@ -72,7 +83,7 @@ def new_figure(
     style = {"x": 0.012, "ha": "left", "parse_math": False}
     title = textwrap.fill(what, int(width * TITLE_LETTERS))
     figure.suptitle(title, fontsize=11 * scale(), fontweight="bold", **style)
-    if caption := caption_of(tables, int(width * CAPTION_LETTERS)):
+    if caption := caption_of(tables, int(15 * width)):
         figure.supxlabel(caption, fontsize=max(9 * scale(), SMALLEST), color=GREY, **style)
     return figure
 
@@ -98,16 +109,17 @@ def panel_figure(
     share: str = "xy",
     has_foot: bool = False,
     across: int | None = None,
+    ratios: Sequence[float] = (),
 ) -> tuple[Page, list[Axes]]:
     """A figure of panels that share axes, all of one size, two in a row on a page.
 
-    Heights, in inches: of a row, of all rows at least, and of what is above and below them. A foot
-    is a last row of the grid for a legend.
+    Heights, in inches: of a row, of all rows at least, and of what is above and below them, and the
+    ratios of rows where they differ. A foot is a last row of the grid for a legend.
     """
     across = min(count, across or by_width(2, 1))
     down = -(-count // across)
     figure = new_figure(tables, title, above + max(height * down, least))
-    ratios = [1.0] * down + [0.01] * has_foot
+    ratios = [*(ratios or [1.0] * down), *[0.01] * has_foot]
     grid = figure.add_gridspec(len(ratios), across, height_ratios=ratios)
     panels: list[Axes] = []
     for place in range(count):
@@ -117,18 +129,15 @@ def panel_figure(
 
 
 def time_panels(
-    table: Table, title: str, count: int, height: float, across: int | None = None, **grid: object
+    table: Table, title: str, count: int, height: float, **grid: object
 ) -> tuple[Page, list[Axes]]:
     """A figure of panels over the same time, which the lowest ones name."""
-    across = across or by_width(2, 1)
-    figure = new_figure(table, title, height)
-    panels = figure.subplots(-(-count // across), across, sharex=True, squeeze=False, **grid)
-    for axes in panels[-1]:
-        name_axis(axes.xaxis, *TIME)
-    for axes in panels.flat:
+    figure, panels = panel_figure(table, title, count, 0, height, 0, "x", **grid)
+    name_outer(panels, TIME)
+    for axes in panels:
         axes.margins(x=0.01)
     figure.align_ylabels()
-    return figure, list(panels.flat)
+    return figure, panels
 
 
 def no_axis(axes: Axes) -> Axes:
@@ -156,7 +165,8 @@ def name_outer(panels: Sequence[Axes], x: Sequence[str] = (), y: Sequence[str] =
     for axes in panels:
         for name, axis, is_named in ((x, axes.xaxis, is_lowest), (y, axes.yaxis, is_left)):
             if name:
-                axis.set_tick_params(**{LABELS[axis.axis_name]: is_named(axes)})
+                side = "labelbottom" if axis is axes.xaxis else "labelleft"
+                axis.set_tick_params(**{side: is_named(axes)})
             if name and is_named(axes):
                 name_axis(axis, *name)
 
@@ -185,3 +195,193 @@ def legend_above(axes: Axes, columns: int, **style: object) -> None:
     """A legend above the right end of a panel, with so many columns on a page."""
     place = {"loc": "lower right", "bbox_to_anchor": (1.01, 1.0), "ncols": by_width(columns, 2)}
     axes.legend(**place | {"columnspacing": 1.2, "borderpad": 0.2} | style)
+
+
+FORMATS = frozenset(FigureCanvasBase.get_supported_filetypes()) - {"raw", "rgba", "pgf"}
+"""The kinds of files that a figure can be written to."""
+
+KEYS = {
+    "png": {name: name for name in ("Title", "Description", "Software", "Source")},
+    "svg": {"Title": "Title", "Description": "Description", "Creator": "Software"}
+    | {"Source": "Source", "Date": ""},
+    "pdf": {"Title": "Title", "Subject": "Description", "Creator": "Software"}
+    | {"Keywords": "Source", "CreationDate": ""},
+    "eps": {"Creator": "Software"},
+    "ps": {"Creator": "Software"},
+}
+"""The provenance under the names that a kind of file has for it; without a date."""
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure to a file, which is replaced when the new one is complete.
+
+    Its ending says of which kind it is: one of FORMATS, else there is a ValueError. Processes may
+    draw the same figure at once: each has a part of its own.
+    """
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    kind = path.suffix[1:].lower()
+    if kind not in FORMATS:
+        raise ValueError(f"a figure ends in {', '.join(sorted(FORMATS))}, not in {kind!r}")
+    known = getattr(figure, "provenance", {})
+    metadata = {key: known.get(name) for key, name in KEYS.get(kind, {}).items()}
+    options = getattr(figure, "options", DEFAULT)
+    with the_look(options), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")
+        lay_out(figure)
+        try:
+            if kind == "png":  # Figure.savefig draws everything twice
+                # within a tenth as small as with 6, in little more than half the time
+                settings = {"pil_kwargs": {"compress_level": 3}}
+                FigureCanvasAgg(figure).print_png(str(part), metadata=metadata, **settings)
+            elif kind == "svg":
+                figure.set_dpi(150)
+                FigureCanvasSVG(figure).print_svg(str(part), metadata=metadata)
+            else:
+                figure.savefig(part, format=kind, dpi="figure", metadata=metadata or None)
+            os.replace(part, path)
+        finally:
+            part.unlink(missing_ok=True)
+
+
+def lay_out(figure: Figure) -> None:
+    """Lay a figure out, once for all files. A narrow one has as many dots across as a page."""
+    width = figure.get_size_inches()[0]
+    figure.set_dpi(150 * max(1.0, round(WIDTH / width, 2)))
+    engine = figure.get_layout_engine()
+    if engine is None or isinstance(engine, PlaceHolderLayoutEngine):
+        return
+    FigureCanvasAgg(figure)
+    for axes in figure.axes:
+        axes.apply_aspect()
+        for spine in axes.spines.values():
+            spine.set_in_layout(False)  # it would measure all ticks once more
+    with the_look(getattr(figure, "options", DEFAULT)):
+        engine.execute(figure)
+    figure.set_layout_engine("none")
+
+
+def save_as(
+    figure: Figure, stem: str | Path, endings: Sequence[str] = ("png", "svg")
+) -> list[Path]:
+    """Write a figure to files that differ in their endings, which come after the stem.
+
+    An ending is one of FORMATS: png, svg, pdf, eps and others; else there is a ValueError.
+    """
+    stem = Path(stem)
+    targets = [stem.with_name(f"{stem.name}.{ending}") for ending in endings]
+    for target in targets:
+        save(figure, target)
+    return targets
+
+
+def save_small(figure: Figure, path: Path) -> None:
+    """Write a figure to a PNG file of few colours, with its metadata: a third as large.
+
+    The palette covers the colours of small marks, too, which a median cut would mix with others. It
+    would tint large areas: the most frequent colours get their places in it unchanged.
+    """
+    save(figure, path)
+    with Image.open(path) as file:
+        texts, picture = PngInfo(), file.convert("RGB")
+        for key, text in file.text.items():
+            texts.add_itxt(key, text)
+    small = picture.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    palette, pixels, places = small.getpalette(), np.asarray(picture), np.asarray(small)
+    counted = sorted(picture.getcolors(picture.width * picture.height), reverse=True)
+    for _, colour in reversed(counted[:16]):  # the most frequent colours
+        place = int(places[(pixels == colour).all(axis=2)][0])
+        palette[3 * place : 3 * place + 3] = colour
+    small.putpalette(palette)
+    small.save(path, optimize=True, pnginfo=texts)
+
+
+def provenance_of(tables: Sequence[Table]) -> dict[str, str]:
+    """The title, the run, the program and the files of tables, each once, for metadata.
+
+    A run is how a table was computed, and how that ended if not well.
+    """
+    runs = (joined((describe_run(table), warning_of(table))) for table in tables)
+    return {
+        "Title": joined(table.title for table in tables),
+        "Description": joined(run[0].upper() + run[1:] for run in runs),
+        "Software": joined(
+            f"{table.header['program']}, revision {table.header.get('revision', 'unknown')}"
+            for table in tables
+        ),
+        "Source": joined(printable(table.path.name) for table in tables),
+    }
+
+
+def joined(texts: object) -> str:
+    """Texts that are not empty, each once."""
+    return "; ".join(dict.fromkeys(filter(None, texts)))
+
+
+def caption_of(tables: Sequence[Table], letters: int) -> str:
+    """The line below a figure: the title of its table, and what a reader has to know of the rows.
+
+    It has so many letters at most. The title of a single table may be shortened for it.
+    """
+    known = joined(warning_of(table) for table in tables)
+    titles = {table.title for table in tables}
+    title = titles.pop() if len(titles) == 1 else ""  # panels of several have their titles
+    room = letters - (len(known) + 2 if known else 0)
+    if len(title) > room:
+        title = title[: max(room - 1, 0)].rstrip() + "\N{HORIZONTAL ELLIPSIS}"
+    return "; ".join(filter(None, (title, known)))
+
+
+def warning_of(table: Table) -> str:
+    """How a run ended if not well, and whether only some cases are drawn; empty if all is well."""
+    words = []
+    if table.status is not None and not is_good_end(table.status):
+        words.append(f"ended early: {describe_end(table.status)}")
+    if table.stride > 1:
+        words.append(f"one case in {write_count(table.stride)} is drawn")
+    return "; ".join(words)
+
+
+def describe_end(status: str) -> str:
+    """How a motion ended, in words: `pole at t = 1.25` is at a pole at t = 1.25 s."""
+    word, at, time = status.partition(" at t = ")
+    try:
+        return f"{name_of(word)}{at}{write(float(time), 6)} s" if at else name_of(word)
+    except ValueError:
+        return status
+
+
+def describe_run(table: Table) -> str:
+    """Formulation, method, and steps or tolerances, in words."""
+    if "setting" in table.rows:
+        return "methods, formulations and settings as named"
+    if "method" in table.rows:
+        return ", ".join(["methods and formulations as named", *describe_tolerances(table)])
+    formulation, method = model_of(table)
+    if method == "exact":
+        return "exact solution"
+    words = [name_of(formulation), name_of(table.setting("integration.table") or method)]
+    if steps := table.setting("integration.steps"):
+        words.append(f"{write_count(float(steps))} steps")
+    elif step := table.setting("integration.step"):
+        words.append(f"steps of {step} s")
+    else:
+        words += describe_tolerances(table)
+    return ", ".join(words)
+
+
+def model_of(table: Table) -> tuple[str, str]:
+    """The formulation and the method of a run: those of the input, or what `auto` became."""
+    given = table.setting("integration.formulation"), table.setting("integration.method")
+    if given[1] == "exact" or "auto" not in given:
+        return given
+    return table.model_and_method
+
+
+def describe_tolerances(table: Table) -> list[str]:
+    """The tolerances that the input gives."""
+    given = [
+        f"{kind} tolerance {write(float(value))}"
+        for kind in ("relative", "absolute")
+        if (value := table.setting(f"integration.{kind}_tolerance"))
+    ]
+    return given or ["default tolerances"]

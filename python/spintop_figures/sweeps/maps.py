@@ -1,7 +1,6 @@
 """The maps of a sweep over a grid of two parameters, and the colours of numbers."""
 
-import textwrap
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 import matplotlib as mpl
@@ -18,15 +17,13 @@ from matplotlib.colors import (
     Normalize,
 )
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
 from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import GRAVITY
-from spintop_figures.style.axes import letters_of
-from spintop_figures.style.look import FAULT, lightness
-from spintop_figures.style.numbers import write
+from spintop_figures.style.look import FAULT
+from spintop_figures.style.numbers import MINUS, write
 from spintop_figures.style.page import head, panel_figure
 from spintop_figures.sweeps.quantities import (
     Quantity,
@@ -37,9 +34,8 @@ from spintop_figures.sweeps.quantities import (
     scale_panels,
     tell_rest,
 )
-from spintop_figures.tables.names import name_of
+from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import ended_well
 
 COLOURS = mpl.colormaps["cividis"]
 """From dark to light, for all eyes and for print without colours."""
@@ -49,30 +45,14 @@ SIGNED = LinearSegmentedColormap.from_list(
 )
 """For values of both signs, with a neutral zero; the ends differ in lightness, too."""
 
-OUTLIERS, FAR = 1.0, 0.5
-"""Percentage of the values, at either end, that may be beyond the colour bar, which they are where
-they would take more than this of the range of the others."""
-
-ROOM = 0.6, 0.35
-"""Letters and lines of names that fit into a map, over the letters along its sides."""
-
 HEIGHTS = 2.6, 4.0
 """Of a row of panels, and of all of them, in inches."""
 
 BLANK = {"facecolor": "white", "edgecolor": "0.7", "hatch": "////"}
 """Of a map where there is no value."""
 
-WORDS = {"ha": "center", "va": "center", "fontsize": "small", "parse_math": False}
-"""Of a name in a map, whose colours are the same on dark ground."""
-
-RATE, AMPLITUDE = "effects.vibration_rate", "effects.vibration_amplitude(3)"
-
 KAPITZA = r"Kapitza: $A\,\Omega=\sqrt{2gI/(ml)}$"
 """What the limit is, as a legend has it."""
-
-
-COARSE = 60
-"""Cells of a grid along an axis by which the place of a name is found; finer ones are skipped."""
 
 
 def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
@@ -88,8 +68,9 @@ def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
     if quantity.has_log_scale(finite):
         above = finite[finite > 0]
         return LogNorm(above.min(), above.max()), "min" if above.size < finite.size else "neither"
-    low, high = np.percentile(finite, [OUTLIERS, 100 - OUTLIERS])
-    room = FAR * (high - low)
+    # a hundredth may be beyond the bar if it would take more than half the range of the others
+    low, high = np.percentile(finite, [1, 99])
+    room = 0.5 * (high - low)
     first = low if finite.min() < low - room else finite.min()
     last = high if finite.max() > high + room else finite.max()
     if first < 0 < last:
@@ -103,11 +84,6 @@ def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
 def is_signed(norm: Normalize) -> bool:
     """Whether a scale has zero inside."""
     return not isinstance(norm, LogNorm) and norm.vmin < 0 < norm.vmax
-
-
-def colours_of(norm: Normalize) -> Colormap:
-    """The colours of a scale."""
-    return SIGNED if is_signed(norm) else COLOURS
 
 
 class Grid(NamedTuple):
@@ -180,7 +156,11 @@ def draw_maps(table: Table) -> Figure:
         values = quantity.values(table.rows)
         if is_words(values):
             head(axes, quantity.label)
-            draw_classes(axes, grid, values, failed)
+            classes = order_classes(values[~failed])
+            colours = COLOURS(np.linspace(0.05, 0.95, len(classes)))
+            draw_classes(
+                axes, grid, values.where(~failed), dict(zip(classes, colours, strict=True))
+            )
         else:
             draw_numbers(axes, grid, quantity, values.to_numpy(float), failed)
         cross(axes, grid, failed)
@@ -205,7 +185,7 @@ def find_kapitza_limit(table: Table) -> Callable[[np.ndarray], np.ndarray] | Non
     With I = m l^2 it is the pendulum's sqrt(2 g l). It holds for fast vibrations of small
     amplitude, a body given by its moments of inertia, and no other effect.
     """
-    if sorted(table.axes()) != sorted((RATE, AMPLITUDE)):
+    if sorted(table.axes()) != ["effects.vibration_amplitude(3)", "effects.vibration_rate"]:
         return None
     others = set(acting(table, "effects.")) - {"effects.vibration_amplitude"}
     spins = any(table.number(f"initial.{key}", 0.0) for key in ("omega3", "psi_rate"))
@@ -218,32 +198,16 @@ def find_kapitza_limit(table: Table) -> Callable[[np.ndarray], np.ndarray] | Non
     return (lambda values: limit / values) if np.isfinite(limit) else None
 
 
-def draw_classes(axes: Axes, grid: Grid, values: pd.Series, failed: np.ndarray) -> None:
-    """A map of classes, each with its name in it; those without room for it are in a legend."""
-    classes = order_classes(values[~failed])
-    shades = ListedColormap(COLOURS(np.linspace(0.05, 0.95, len(classes))))
-    codes = values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
-    cells = grid.fill(np.where(failed, np.nan, codes))
-    draw_shades(axes, grid, cells, shades, rasterized=True)
-    names = [*map(name_of, classes)]
-    inks = ["black" if lightness(shade) > 0.45 else "white" for shade in shades.colors]
-    named = name_regions(axes, cells, names, inks)
-    handles = [
-        Patch(color=shades(code), label=name)
-        for code, name in enumerate(names)
-        if code not in named
-    ]
-    if handles:
-        place = {"loc": "lower right", "bbox_to_anchor": (1.02, 0.99), "ncols": 3}
-        axes.legend(handles=handles, **place, handlelength=1, columnspacing=0.8, borderpad=0.2)
-
-
-def draw_shades(
-    axes: Axes, grid: Grid, codes: np.ndarray, shades: ListedColormap, **look: object
+def draw_classes(
+    axes: Axes, grid: Grid, words: pd.Series, colours: Mapping[str, object], **look: object
 ) -> None:
-    """Cells in the colours of their classes, which have numbers from 0; nan is left out."""
-    norm = BoundaryNorm(np.arange(shades.N + 1) - 0.5, shades.N)
-    axes.pcolormesh(*grid.edges(), np.ma.masked_invalid(codes), cmap=shades, norm=norm, **look)
+    """A map of words in these colours, which a bar names; where there are others it is blank."""
+    codes = words.map({name: float(code) for code, name in enumerate(colours)}).to_numpy(float)
+    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    cells, shades = np.ma.masked_invalid(grid.fill(codes)), ListedColormap([*colours.values()])
+    bar = draw_cells(axes, grid.edges(), cells, norm, colours=shades, **look)
+    bar.set_ticks(range(len(colours)), labels=[name_of(name) for name in colours])
+    bar.ax.tick_params(which="both", length=0)
 
 
 def draw_numbers(
@@ -261,8 +225,7 @@ def draw_numbers(
     numbers = quantity.shown(np.where(none | failed, np.nan, numbers))
     norm, extend = scale_of(quantity, numbers)
     whole = np.ma.masked_invalid(grid.fill(numbers))
-    cells = np.ma.masked_invalid(grid.fill(np.clip(numbers, norm.vmin, norm.vmax)))
-    bar = draw_cells(axes, grid.edges(), cells, norm, extend, colours_of(norm))
+    bar = draw_cells(axes, grid.edges(), whole, norm, extend)
     if whole.count() and whole.min() == whole.max():
         bar.set_ticks([whole.min()])
     elif is_signed(norm):
@@ -271,44 +234,37 @@ def draw_numbers(
         if smooth.count() and smooth.min() < 0 < smooth.max():
             axes.contour(grid.x, grid.y, smooth, levels=[0], colors="0.25", linewidths=1.0)
         after += f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
-        filled = np.ma.filled(whole, np.nan)
-        signs = np.where(np.isfinite(filled), filled > 0, np.nan)  # for print without colours
-        outline = [withStroke(linewidth=1.5, foreground=(1, 1, 1, 0.6))]
-        name_regions(axes, signs, ("< 0", "> 0"), 2 * ["0.1"], path_effects=outline)
+        mark_negative(axes, grid.x, grid.y, whole)
+        after += f"; {MINUS}: below zero"
+    if quantity.most:
+        after += f"; largest: {quantity.most}"
     head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)
-    if quantity.most and whole.count():
-        is_most = np.ma.filled(whole == whole.max(), False)
-        name_regions(axes, np.where(is_most, 0, np.nan), [quantity.most], ["0.1"])
+
+
+def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ma.MaskedArray) -> None:
+    """A minus in each cell below zero, in some of many: without colours signs are not seen."""
+    strides = [n // 20 if n > 60 else 1 for n in values.shape]
+    some = tuple(slice(stride // 2, None, stride) for stride in strides)
+    places, values = [part[some] for part in np.meshgrid(x, y)], np.ma.filled(values, np.nan)[some]
+    style = {"marker": "_", "linestyle": "", "markersize": 3, "markeredgewidth": 0.8}
+    dark = values < -0.5 * np.nanmax(np.abs(values))  # where colours are
+    for chosen, colour in (((values < 0) & ~dark, "black"), (dark, "white")):
+        axes.plot(*(part[chosen] for part in places), color=colour, rasterized=True, **style)
 
 
 def draw_cells(
     axes: Axes,
     edges: Sequence[np.ndarray],
     cells: np.ma.MaskedArray,
-    norm: Normalize | None,
-    extend: str,
-    colours: Colormap,
+    norm: Normalize,
+    extend: str = "neither",
+    colours: Colormap | None = None,
+    **look: object,
 ) -> Colorbar:
     """Cells in the colours of a scale, with its bar."""
-    image = axes.pcolormesh(*edges, cells, cmap=colours, norm=norm, rasterized=True)
+    colours = colours or (SIGNED if is_signed(norm) else COLOURS)
+    image = axes.pcolormesh(*edges, cells, cmap=colours, norm=norm, **{"rasterized": True} | look)
     return axes.figure.colorbar(image, ax=axes, extend=extend, pad=0.02, aspect=18)
-
-
-def name_regions(
-    axes: Axes, codes: np.ndarray, names: Sequence[str], inks: Sequence[str], **style: object
-) -> set[int]:
-    """Write the names of classes, by their numbers, where they have room; gives those named."""
-    named = set()
-    most = [share * letters_of(axes, side) for share, side in zip(ROOM, "xy", strict=True)]
-    for spot in spots(codes):
-        text = textwrap.fill(names[spot.code], max(int(spot.width * most[0]), 8))
-        lines = text.split("\n")
-        has_width = max(map(len, lines)) <= spot.width * most[0]
-        if has_width and len(lines) <= spot.height * most[1]:
-            style |= WORDS | {"transform": axes.transAxes, "color": inks[spot.code]}
-            axes.text(spot.x, spot.y, text, **style)
-            named.add(spot.code)
-    return named
 
 
 def cross(axes: Axes, grid: Grid, failed: np.ndarray) -> None:
@@ -326,16 +282,6 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     for which, name, is_log in zip("xy", table.axes(), grid.logs, strict=True):
         scale_panels(panels, which, table, name, is_log)
-
-
-class Spot(NamedTuple):
-    """The middle of a region of one class, as shares of the grid, and how much room is there."""
-
-    code: int
-    x: float
-    y: float
-    width: float
-    height: float
 
 
 def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:
@@ -360,34 +306,3 @@ def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:
         marks[:-1] |= is_jump
         sizes += change[is_jump].tolist()
     return beside, float(np.median(sizes)) if sizes else float("nan")
-
-
-def spots(codes: np.ndarray) -> list[Spot]:
-    """Where classes have room for a name: about the cell that is furthest inside of each."""
-    strides = [max(1, size // COARSE) for size in codes.shape]
-    coarse = codes[:: strides[0], :: strides[1]]
-    found = []
-    for code in np.unique(coarse[np.isfinite(coarse)]):
-        same = inside = coarse == code
-        if same.sum() < 0.02 * same.size:  # too small for a name
-            continue
-        beyond = "edge"  # a class goes on beyond the edge of a map
-        while inside.any():
-            deepest, near = inside, np.pad(inside, 1, mode=beyond)
-            inside = inside & near[:-2, 1:-1] & near[2:, 1:-1] & near[1:-1, :-2] & near[1:-1, 2:]
-            beyond = "constant"
-        places = np.argwhere(deepest)
-        y, x = places[np.argmin(((places - places.mean(axis=0)) ** 2).sum(axis=1))]
-        (left, right), (low, high) = reach(same[y], x), reach(same[:, x], y)
-        down, across = same.shape
-        middle = (left + right + 1) / 2 / across, (y + 0.5) / down
-        found.append(Spot(int(code), *middle, (right - left + 1) / across, (high - low + 1) / down))
-    return found
-
-
-def reach(line: np.ndarray, place: int) -> tuple[int, int]:
-    """The first and the last cell of the run of true ones about a place."""
-    before, after = np.flatnonzero(~line[:place]), np.flatnonzero(~line[place:])
-    first = int(before[-1]) + 1 if before.size else 0
-    last = place + int(after[0]) - 1 if after.size else line.size - 1
-    return first, last

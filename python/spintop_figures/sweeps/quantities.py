@@ -6,21 +6,22 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.ticker import MaxNLocator
 
-from spintop_figures.style.axes import name_axis, set_degree_ticks
+from spintop_figures.style.axes import Places, name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import is_left, is_lowest
-from spintop_figures.tables.names import axis_of, column_name, name_of, unit_shown
+from spintop_figures.tables.names import (
+    axis_of,
+    column_name,
+    count_failures,
+    ended_well,
+    name_of,
+    unit_shown,
+)
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import count_failures, ended_well
 
-WIDE_VALUES, WIDE_ERRORS = 1e3, 10
-"""The ratio over which a quantity has a log scale; errors and costs are compared by ratios."""
-
-FLOOR, MARGIN = 1e-15, 10
-"""The rounding error of an angle in radians or of a relative error. A quantity that exceeds it by
-no more than this factor in any case is not drawn: it would be a picture of noise."""
+ERRORS = {"log_over": 10, "floor": 1e-15}
+"""Errors are compared by ratios, and 1e-15 is the rounding error of an angle or a relative one."""
 
 CLASSES = (
     "loop",
@@ -43,7 +44,7 @@ class Quantity(NamedTuple):
     label: str
     unit: str
     values: Callable[[pd.DataFrame], pd.Series]
-    log_over: float = WIDE_VALUES
+    log_over: float = 1e3
     """Values above zero over a larger ratio have a log scale."""
     none: str = ""
     """What a value is called that is nothing but rounding beside the largest."""
@@ -57,8 +58,8 @@ class Quantity(NamedTuple):
         return np.maximum(values, self.floor) if self.floor else values
 
     def is_noise(self, values: pd.Series) -> bool:
-        """Whether all values are about as small as rounding errors."""
-        return bool(self.floor and values.max() <= MARGIN * self.floor)
+        """Whether all values are about as small as rounding errors: a picture of noise."""
+        return bool(self.floor and values.max() <= 10 * self.floor)
 
     def is_none(self, values: np.ndarray) -> np.ndarray:
         """Which values are nothing but rounding, where that has a name."""
@@ -105,10 +106,10 @@ QUANTITIES = (
         none="stable",
     ),
     of_column("lyapunov_exponent", unit="1/s"),
-    of_column("orientation_error", "orientation error", "rad", log_over=WIDE_ERRORS, floor=FLOOR),
-    of_column("energy_error_max", log_over=WIDE_ERRORS, floor=FLOOR),
+    of_column("orientation_error", "orientation error", "rad", **ERRORS),
+    of_column("energy_error_max", **ERRORS),
     of_column("t_end", unit="s", most="whole span"),
-    of_column("evaluations", log_over=WIDE_ERRORS),
+    of_column("evaluations", log_over=10),
 )
 """Those that any table shows that has their columns."""
 
@@ -229,7 +230,7 @@ def scale_panels(
     for axes in panels:
         axis = axes.xaxis if which == "x" else axes.yaxis
         if steps and not is_log:
-            axis.set_major_locator(MaxNLocator(steps))
+            axis.set_major_locator(Places(steps))
         elif which == "y" and unit == "deg":
             set_degree_ticks(axis, table.column(name))
         is_named = is_lowest(axes) if which == "x" else is_left(axes) or steps
@@ -237,16 +238,14 @@ def scale_panels(
             name_axis(axis, axis_of(name), unit, plain=True, letters=letters)
         if steps and is_log:
             axis.set_minor_formatter("")
-        if steps and which == "x":
+        if which == "x":
             axes.tick_params(which="both", labelbottom=is_named)
 
 
 def tell_failed(table: Table) -> str:
     """How many cases have a cross, and why."""
-    counts = count_failures(table.rows)
-    reasons = ", ".join(
-        f"{write_count(count)} {name_of(status)}" for status, count in counts.items()
-    )
+    counts = count_failures(table.rows).items()
+    reasons = ", ".join(f"{write_count(count)} {name_of(status)}" for status, count in counts)
     return f" (crossed: {reasons})" if reasons else ""
 
 

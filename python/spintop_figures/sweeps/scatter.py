@@ -13,14 +13,13 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from spintop_figures.kinds import figure
-from spintop_figures.style.axes import MANY_POINTS, name_axis
+from spintop_figures.style.axes import MANY_POINTS, Places, name_axis
 from spintop_figures.style.look import FAINT, FAULT, GROUND, OURS, by_width, lightness, tint
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure, no_axis
-from spintop_figures.sweeps.maps import COLOURS, colours_of, is_signed, object_to_grid, scale_of
+from spintop_figures.sweeps.maps import COLOURS, SIGNED, is_signed, object_to_grid, scale_of
 from spintop_figures.sweeps.quantities import (
     Quantity,
     draw_class_ticks,
@@ -32,9 +31,8 @@ from spintop_figures.sweeps.quantities import (
     succeeded,
     tell_hidden,
 )
-from spintop_figures.tables.names import axis_of, name_of
+from spintop_figures.tables.names import axis_of, count_failures, name_of
 from spintop_figures.tables.table import Table
-from spintop_figures.tables.words import count_failures
 
 MOST_CASES, LEAST_CASES = 10_000, 300
 """Size of the random sample of many cases, and of each class and of the failed cases."""
@@ -45,14 +43,11 @@ MARKERS = "o^sDvPX<>"
 SHADES = ListedColormap(COLOURS(np.linspace(0, 0.92, 256)))
 """Colours by a number, without those that are hard to see on white."""
 
-LABEL_LETTERS, NARROW_LETTERS, FAILED_LETTERS = 19, 16, 32
-"""Length of a line of the labels beside and below a panel, and of the failures in the key."""
+LETTERS = 19
+"""Of a line of the labels beside a panel."""
 
 RUG = {"color": FAULT, "marker": "|", "markersize": 6, "markeredgewidth": 0.6}
 """Ticks at the axis for cases that failed."""
-
-CELLS = 46, 18
-"""Cells across and down a panel in which cases are counted."""
 
 
 class Layer(NamedTuple):
@@ -61,8 +56,7 @@ class Layer(NamedTuple):
     name: str
     rows: pd.DataFrame
     count: int
-    colour: str
-    marker: str
+    look: dict[str, str]
 
 
 class Cloud(NamedTuple):
@@ -97,9 +91,12 @@ def make_cloud(table: Table, panels: int) -> Cloud:
         group.sample(count, random_state=0).sort_index()
         for group, count in zip(groups, counts, strict=True)
     )
-    looks = [(f"{OURS}class{number}", marker) for number, marker in enumerate(MARKERS, start=1)]
+    looks = [
+        {"color": f"{OURS}class{number}", "marker": marker}
+        for number, marker in enumerate(MARKERS, start=1)
+    ]
     layers = [
-        Layer(name, rows, len(group), *look)
+        Layer(name, rows, len(group), look)
         for name, rows, group, look in zip(classes, chosen, groups, itertools.cycle(looks))
     ]
     layers.sort(key=lambda layer: -layer.count)
@@ -127,18 +124,15 @@ def telling(table: Table) -> list[Quantity]:
     return [quantity for quantity in quantities_of(table) if quantity.values(rows).nunique() > 1]
 
 
-def object_to_scatter(table: Table) -> str:
-    """Points are for cases of several parameters that are no grid of two."""
-    if len(table.axes()) < 2:
-        return "is no sweep over several parameters"
-    if not object_to_grid(table):
-        return "is a sweep over a grid of two parameters, which has maps"
-    if not varying(table):
-        return "is a sweep in which no parameter varies"
-    return "" if telling(table) else "has no quantity that varies"
-
-
-@figure("sweep", objection=object_to_scatter)
+@figure(
+    "sweep",
+    unless={
+        "is no sweep over several parameters": lambda table: len(table.axes()) > 1,
+        "is a sweep over a grid of two parameters, which has maps": object_to_grid,
+        "is a sweep in which no parameter varies": varying,
+        "has no quantity that varies": telling,
+    },
+)
 def draw_scatter(table: Table) -> Figure:
     """Points of a sweep over several parameters that is not a grid of two."""
     names, quantities = varying(table), telling(table)
@@ -219,7 +213,7 @@ def draw_density(
     shades = LinearSegmentedColormap.from_list(
         "densities", [tint(ends[0], 0.2), "#4d7096", ends[1]]
     )
-    style = {"gridsize": CELLS, "mincnt": 1, "cmap": shades, "linewidths": 0.1}
+    style = {"gridsize": (46, 18), "mincnt": 1, "cmap": shades, "linewidths": 0.1}
     for which, is_log in zip("xy", logs, strict=True):
         style[f"{which}scale"] = "log" if is_log else "linear"
     return axes.hexbin(x[there], heights[there], **style)
@@ -230,10 +224,11 @@ def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: T
     # by turns, so that no class hides the others
     for turn, layer in itertools.product(reversed(range(6)), cloud.layers):
         rows = layer.rows[turn::6]
-        look = {"color": layer.colour}
+        look = layer.look
         if tint:
             look = {"c": tint.values[rows.index], "cmap": tint.shades, "norm": tint.norm}
-        look |= {"marker": layer.marker, "linewidths": 0, "rasterized": cloud.rasterized}
+            look |= {"marker": layer.look["marker"]}
+        look = look | {"linewidths": 0, "rasterized": cloud.rasterized}
         axes.scatter(rows[name], heights[rows.index], cloud.area, **look)
 
 
@@ -257,18 +252,18 @@ def scale_heights(
         draw_class_ticks(axes, values, values)
         count = len(axes.get_yticks())
         axes.set_ylim(-0.5 - 0.1 * count, count - 0.4)
-        axes.set_ylabel(textwrap.fill(quantity.label, LABEL_LETTERS) if is_first else "")
+        axes.set_ylabel(textwrap.fill(quantity.label, LETTERS) if is_first else "")
         return
     if quantity.has_log_scale(heights.to_numpy()):
         axes.set_yscale("log")
     else:
-        axes.yaxis.set_major_locator(MaxNLocator(5))
+        axes.yaxis.set_major_locator(Places(5))
         if heights.min() < 0 < heights.max():
             axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
     if quantity.is_none(values.to_numpy(float)).any():
         after = f"; 0: {quantity.none}"
     if is_first:
-        name_axis(axes.yaxis, quantity.label, quantity.unit, after, letters=LABEL_LETTERS)
+        name_axis(axes.yaxis, quantity.label, quantity.unit, after, letters=LETTERS)
 
 
 def draw_plane(axes: Axes, names: list[str], cloud: Cloud, quantity: Quantity) -> None:
@@ -278,7 +273,7 @@ def draw_plane(axes: Axes, names: list[str], cloud: Cloud, quantity: Quantity) -
     if not is_words(quantity.values(cloud.rows)):
         numbers = heights_of(quantity, cloud.rows)
         norm, extend = scale_of(quantity, numbers.to_numpy())
-        tint = Tint(numbers, norm, shades=colours_of(norm) if is_signed(norm) else SHADES)
+        tint = Tint(numbers, norm, shades=SIGNED if is_signed(norm) else SHADES)
         style = {"extend": extend, "pad": 0.03, "aspect": 14}
         bar = axes.figure.colorbar(ScalarMappable(norm, tint.shades), ax=axes, **style)
         name_axis(bar.ax.yaxis, "")  # the first panel of the row has the unit
@@ -294,20 +289,20 @@ def scale_parameter(panels: Sequence[Axes], which: str, table: Table, name: str)
     ends = np.log(ends) if is_log else ends
     ends += 0.04 * np.ptp(ends) * np.array([-1, 1])
     ends = np.exp(ends) if is_log else ends
-    scale_panels(panels, which, table, name, is_log, ends, NARROW_LETTERS, steps=4)
+    scale_panels(panels, which, table, name, is_log, ends, letters=16, steps=4)
 
 
 def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:
     """What colours and marks mean, and how many cases there are of each."""
     handles = []
+    dot = {"linestyle": "", "markersize": 6, "markeredgewidth": 0}
     for layer in () if tint else cloud.layers:
-        look = {"color": layer.colour, "marker": layer.marker, "markersize": 6}
         label = f"{name_of(layer.name)} ({write_count(layer.count)})"
-        handles.append(Line2D([], [], **look, linestyle="", markeredgewidth=0, label=label))
+        handles.append(Line2D([], [], **layer.look, **dot, label=label))
     failures = count_failures(table.rows).items()
     if failures:
         words = ", ".join(f"{name_of(status)} ({write_count(count)})" for status, count in failures)
-        label = textwrap.fill(f"failed: {words}", FAILED_LETTERS)
+        label = textwrap.fill(f"failed: {words}", 32)
         handles.append(Line2D([], [], **RUG, linestyle="", label=label))
     if tint:
         bar = axes.inset_axes([0.0, 0.0, 0.45, 0.35])

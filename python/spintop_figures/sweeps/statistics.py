@@ -6,10 +6,10 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import figure, unless
+from spintop_figures.kinds import figure
 from spintop_figures.style.axes import letters_of, name_axis, name_rows, set_degree_ticks
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
 from spintop_figures.style.numbers import MINUS, write, write_count
@@ -18,18 +18,14 @@ from spintop_figures.sweeps.maps import (
     BLANK,
     COLOURS,
     HEIGHTS,
-    colours_of,
     draw_cells,
     is_signed,
+    mark_negative,
     scale_of,
 )
 from spintop_figures.sweeps.quantities import of_column, scale_panels
 from spintop_figures.tables.names import column_name, name_of, unit_shown
 from spintop_figures.tables.table import Table, TableError, read_table
-
-ENDING = ".statistics"
-EQUAL = 1e-6
-"""Relative difference below which steps or ratios are equal."""
 
 
 class Bins(NamedTuple):
@@ -45,25 +41,12 @@ class Bins(NamedTuple):
         if self.edges[0] <= 0 or self.middles.size < 3:
             return False
         steps, ratios = np.diff(self.middles), np.diff(np.log(self.middles))
-        return bool(np.ptp(ratios) < EQUAL * ratios.max() and np.ptp(steps) > EQUAL * steps.max())
-
-
-class Distribution(NamedTuple):
-    """The histogram of a column: the ends of its intervals and the cases in them."""
-
-    low: np.ndarray
-    high: np.ndarray
-    cases: np.ndarray
-
-
-def rows_of_bins(table: Table) -> pd.DataFrame:
-    """The rows of bins, without that of all cases."""
-    return table.rows[table.rows["bin"] > 0]
+        return bool(np.ptp(ratios) < 1e-6 * ratios.max() and np.ptp(steps) > 1e-6 * steps.max())
 
 
 def bins_of(table: Table) -> list[Bins]:
     """The bins of each quantity that the cases are binned over."""
-    names, rows = list(table.rows.columns), rows_of_bins(table)
+    names, rows = list(table.rows.columns), table.rows[table.rows["bin"] > 0]  # 0 is all cases
     found = []
     for name in names[1 : names.index("cases") : 3]:
         low, high, middles = (rows[name + end].to_numpy(float) for end in ("_from", "_to", ""))
@@ -75,12 +58,6 @@ def gathered(table: Table) -> list[str]:
     """The columns of numbers that have statistics."""
     means = [name.removesuffix("_mean") for name in table.rows if name.endswith("_mean")]
     return [name for name in means if f"{name}_deviation" in table.rows]
-
-
-def object_to_distributions(table: Table) -> str:
-    """There are numbers, and their histograms where they are looked for."""
-    lacks = "" if gathered(table) else "has no column of numbers"
-    return lacks or object_to_beside(table, "histogram")
 
 
 def object_to_beside(table: Table, what: str) -> str:
@@ -98,16 +75,7 @@ def rows_beside(table: Table, what: str) -> pd.DataFrame:
 
 def beside(path: Path, what: str) -> Path:
     """A table beside a table of statistics: of the histograms, or the indices."""
-    return path.with_name(f"{path.stem.removesuffix(ENDING)}.{what}{path.suffix}")
-
-
-def distributions_of(table: Table) -> dict[str, Distribution]:
-    """The histogram of each column."""
-    groups = rows_beside(table, "histogram").groupby("column", sort=False)
-    return {
-        str(name): Distribution(*(part[key].to_numpy(float) for key in ("from", "to", "cases")))
-        for name, part in groups
-    }
+    return path.with_name(f"{path.stem.removesuffix('.statistics')}.{what}{path.suffix}")
 
 
 def tell_cases(table: Table) -> str:
@@ -123,10 +91,11 @@ def describe(table: Table, column: str) -> tuple[str, str, float]:
     return column_name(column, meaning), *unit_shown(column, table.units.get(f"{column}_mean", ""))
 
 
-@figure("statistics", "cases", objection=unless(bins_of, "has no bins"))
+@figure("statistics", "cases", unless={"has no bins": bins_of})
 def draw_means(table: Table) -> Figure:
     """Means of a sweep over its bins, and the number of cases."""
-    bins, rows, names = bins_of(table), rows_of_bins(table), gathered(table)
+    bins, names = bins_of(table), gathered(table)
+    rows = table.rows[table.rows["bin"] > 0]
     over = " and ".join(name_of(each.column) for each in bins)
     title = f"Means over {over}: {tell_cases(table)}"
     if len(bins) == 2 and names and is_even(rows["cases"].to_numpy(float)):
@@ -154,31 +123,21 @@ def is_even(cases: np.ndarray) -> bool:
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
     """A map of a mean, or of the number of cases; bins without values are hatched."""
     axes.patch.set(**BLANK)
-    words, unit, after, extend = "number of cases", "", "", "neither"
+    words, unit, factor = describe(table, name) if name else ("number of cases", "", 1.0)
+    values = factor * rows[f"{name}_mean" if name else "cases"].to_numpy(float)
+    after, extend, colours = "", "neither", None
     if name:
-        words, unit, factor = describe(table, name)
-        values = factor * rows[f"{name}_mean"].to_numpy(float)
         norm, extend = scale_of(of_column(f"{name}_mean"), values)
-        values, colours = np.clip(values, norm.vmin, norm.vmax), colours_of(norm)
-        if is_signed(norm):
-            after = f"; {MINUS}: below zero"
-            mark_negative(axes, *(rows[each.column].to_numpy(float) for each in bins), values)
     else:
-        values = rows["cases"].to_numpy(float)
         values = np.where(values > 0, values, np.nan)
         is_wide = np.isfinite(values).any() and np.nanmax(values) > 100 * np.nanmin(values)
-        norm, colours = LogNorm() if is_wide else None, COLOURS
-    cells = np.ma.masked_invalid(values.reshape(bins[1].edges.size - 1, bins[0].edges.size - 1))
+        norm, colours = LogNorm() if is_wide else Normalize(), COLOURS
+    cells = np.ma.masked_invalid(values.reshape(bins[1].middles.size, bins[0].middles.size))
     bar = draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
+    if name and is_signed(norm):
+        after = f"; {MINUS}: below zero"
+        mark_negative(axes, *(each.middles for each in bins), cells)
     head(axes, words, bar.ax.yaxis, unit, after)
-
-
-def mark_negative(axes: Axes, x: np.ndarray, y: np.ndarray, values: np.ndarray) -> None:
-    """A minus in each bin below zero, as signs are not seen in print without colours."""
-    style = {"marker": "_", "linestyle": "", "markersize": 3, "markeredgewidth": 0.8}
-    dark = values < -0.5 * np.nanmax(np.abs(values))  # where colours are
-    for chosen, colour in (((values < 0) & ~dark, "black"), (dark, "white")):
-        axes.plot(x[chosen], y[chosen], color=colour, rasterized=True, **style)
 
 
 def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: str) -> None:
@@ -200,10 +159,17 @@ def draw_curve(axes: Axes, table: Table, bins: Bins, rows: pd.DataFrame, name: s
         axes.legend(loc="best")
 
 
-@figure("statistics", "cases", objection=object_to_distributions)
+@figure(
+    "statistics",
+    "cases",
+    objection=lambda table: (
+        object_to_beside(table, "histogram") if gathered(table) else "has no column of numbers"
+    ),
+)
 def draw_distributions(table: Table) -> Figure:
     """Histograms of a sweep over all cases, with quantiles."""
-    found = distributions_of(table)
+    histograms = rows_beside(table, "histogram").groupby("column", sort=False)
+    found = {str(name): rows for name, rows in histograms}
     if not found:
         raise TableError("has no value in any column")
     names = [name for name in gathered(table) if name in found]
@@ -214,16 +180,17 @@ def draw_distributions(table: Table) -> Figure:
     return figure
 
 
-def draw_distribution(axes: Axes, table: Table, name: str, found: Distribution) -> None:
+def draw_distribution(axes: Axes, table: Table, name: str, found: pd.DataFrame) -> None:
     """The density of the cases over a column, whose intervals differ in width."""
     row = table.rows.iloc[0]
     words, unit, factor = describe(table, name)
-    low, width = factor * found.low, factor * (found.high - found.low)
+    low, high, cases = (found[key].to_numpy(float) for key in ("from", "to", "cases"))
+    low, width = factor * low, factor * (high - low)
     if not width.any():
         axes.axvline(low[0], **LINES[0])
         axes.set_yticks([])
     else:
-        share = found.cases / found.cases.sum()
+        share = cases / cases.sum()
         density = np.divide(share, width, out=np.zeros_like(share), where=width > 0)
         to_next = np.append(np.diff(low), width[-1])  # a slit between bars is not drawn
         widths = np.where(to_next < 1.05 * width, to_next, width)
@@ -258,9 +225,6 @@ def mark_values(axes: Axes, marks: dict[str, float], factor: float) -> None:
             axes.annotate(words, (last, 1.02), va="bottom", color=look["color"], **style)
 
 
-LEAST_RANGE, FURTHEST = 0.5, 0.5
-"""The axis reaches to this share at least, and this far beyond 0 and 1 at most, where intervals are
-wide."""
 INDICES = ("first_order", "total")
 
 LOOKS = (
@@ -271,14 +235,15 @@ LOOKS = (
 1 apart."""
 
 
-def object_to_indices(table: Table) -> str:
-    """Indices were computed, and their table is there where it is looked for."""
-    if table.setting("statistics.indices") != "sobol":
-        return "has no Sobol' indices"
-    return object_to_beside(table, "indices")
-
-
-@figure("statistics", "cases", objection=object_to_indices)
+@figure(
+    "statistics",
+    "cases",
+    objection=lambda table: (
+        object_to_beside(table, "indices")
+        if table.setting("statistics.indices") == "sobol"
+        else "has no Sobol' indices"
+    ),
+)
 def draw_indices(table: Table) -> Figure:
     """First-order and total Sobol' indices of a sweep with their intervals."""
     found = rows_beside(table, "indices")
@@ -294,9 +259,10 @@ def draw_indices(table: Table) -> Figure:
         draw_dots(axes, rows)
     ends = found[[f"{index}_{end}" for index in INDICES for end in ("low", "high")]].to_numpy(float)
     ends = ends[np.isfinite(ends)]
-    low, high = ends.min(initial=0.0), ends.max(initial=LEAST_RANGE)
+    low, high = ends.min(initial=0.0), ends.max(initial=0.5)
     room = 0.03 * (high - low)
-    panels[0].set_xlim(max(low - room, -FURTHEST), min(high + room, 1 + FURTHEST))
+    # to a half at least, and no further than that beyond 0 and 1, where intervals are wide
+    panels[0].set_xlim(max(low - room, -0.5), min(high + room, 1.5))
     panels[0].set_ylim(most - 0.5, -0.5)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper right", ncols=2, borderpad=0)

@@ -1,13 +1,20 @@
 """What everything is called in figures, reports and films: the one list of names.
 
-The registry of the program and the headers of tables have a description and a unit for each column
-(`words.py`). Here are names short enough for an axis, a title or a legend, with their symbols; what
-has none of its own is named by its parts. `name_of` and `axis_of` find them.
+The registry of the program, of which copies are here, and the headers of tables have a description
+and a unit for each column. In `names.csv` are names short enough for an axis, a title or a legend,
+with their symbols; what has none of its own is named by its parts. `name_of` and `axis_of` find
+them.
 """
 
+import csv
+import functools
+import json
 import math
 import re
+from pathlib import Path
 from typing import NamedTuple
+
+import pandas as pd
 
 
 class Name(NamedTuple):
@@ -18,184 +25,31 @@ class Name(NamedTuple):
     sign: str = ""
 
 
-METHODS = {
-    "exact": "exact solution",
-    "euler_forward": "Euler forward",
-    "rk2": "RK2",
-    "rk4": "RK4",
-    "crank_nicolson_1": "Crank-Nicolson 1",
-    "crank_nicolson_2": "Crank-Nicolson 2",
-    "galerkin": "Galerkin",
-    "euler_backward": "Euler backward",
-    "gauss_4": "Gauss 4",
-    "gauss_6": "Gauss 6",
-    "gauss_8": "Gauss 8",
-    "rkmk_4": "RKMK 4",
-    "commutator_free_4": "commutator-free 4",
-    "ode45": "ODE45",
-    "dop853": "DOP853",
-    "taylor": "Taylor",
-    "taylor_quadruple": "Taylor, quadruple",
-    "arkode_erk": "ARKODE, explicit",
-    "arkode_dirk": "ARKODE, implicit",
-    "auto": "chosen by spintop",
-}
+with Path(__file__).with_suffix(".csv").open(encoding="utf-8", newline="") as file:
+    NAMES = {row.pop("key"): Name(**row) for row in csv.DictReader(file)}
+"""Columns of tables and keys of the input, with what they are called by themselves; methods,
+formulations, kinds of studies and of the tables beside them, statuses and verdicts. As everywhere,
+what is not among them is its own words."""
 
-FORMULATIONS = {
-    "euler": "Euler",
-    "lagrange": "Lagrange",
-    "lagrange_energy": "Lagrange + energy",
-}
-
-KINDS = {
-    "stability": "stability study",
-    "work_precision": "work-precision study",
-    "benchmark": "benchmark study",
-    "events": "table of events",
-    "statistics": "table of statistics",
-    "histogram": "table of histograms",
-    "indices": "table of Sobol' indices",
-}
-"""Kinds of studies and of the tables beside them; as everywhere, the others are their own words."""
-
-ENDS = {
-    "ok": "completed",
-    "pole": "at a pole",
-    "non_finite": "overflow",
-    "step_limit": "too many steps",
-    "turning_point": "at a turning point",
-    "outside": "outside the equations",
-}
-"""Statuses and verdicts."""
-
-QUANTITIES = {
-    "t": Name("time", "$t$", "t"),
-    "phi": Name("precession", r"$\phi$", "φ"),
-    "theta": Name("inclination", r"$\theta$", "θ"),
-    "psi": Name("spin", r"$\psi$", "ψ"),
-    "phi_rate": Name("precession rate", r"$\dot\phi$"),
-    "theta_rate": Name("nutation rate", r"$\dot\theta$"),
-    "psi_rate": Name("spin rate", r"$\dot\psi$"),
-    "omega1": Name("angular velocity", r"$\omega_1$", "ω₁"),
-    "omega2": Name("angular velocity", r"$\omega_2$", "ω₂"),
-    "omega3": Name("spin", r"$\omega_3$", "ω₃"),
-    "omega_x": Name("angular velocity", r"$\omega_x$"),
-    "omega_y": Name("angular velocity", r"$\omega_y$"),
-    "omega_z": Name("angular velocity", r"$\omega_z$"),
-    "com_x": Name("x of the centre of mass"),
-    "com_y": Name("y of the centre of mass"),
-    "com_z": Name("height of the centre of mass"),
-    "kinetic": Name("kinetic energy"),
-    "potential": Name("potential energy"),
-    "energy": Name("energy"),
-    "energy_error": Name("relative energy error"),
-    "lz": Name("vertical momentum", "$L_z$"),
-    "l3": Name("momentum about the axis", "$L_3$"),
-    "force_x": Name("horizontal force", "$F_x$"),
-    "force_y": Name("horizontal force", "$F_y$"),
-    "force_z": Name("vertical force", "$F_z$"),
-    "force_r": Name("outward force", "$F_r$"),
-    "force_n": Name("force along the nodes", "$F_n$"),
-    "orientation_error": Name("error of the attitude"),
-    "tip_error": Name("error of the axis tip"),
-    "error_max": Name("largest error of the attitude"),
-    "inherent_error": Name("inherent error"),
-    "norm_error": Name("norm error of the quaternion"),
-    "work_torque": Name("work of torques"),
-    "work": Name("work of all effects"),
-    "t_end": Name("end of the motion"),
-    "t_stuck": Name("time at which the body stuck"),
-    "critical_omega3": Name("threshold of the sleeping top", r"$\omega_3$", "ω₃"),
-    "sleeping_ratio": Name("spin over the threshold of sleep"),
-    "theta_min": Name("minimum inclination"),
-    "theta_max": Name("maximum inclination"),
-    "theta_end": Name("inclination at the end"),
-    "phi_end": Name("precession at the end"),
-    "psi_end": Name("spin angle at the end"),
-    "theta_rate_end": Name("nutation rate at the end"),
-    "delta_u": Name("range", r"$\Delta u$ of $\cos\theta$"),
-    "nutation_period": Name("nutation period"),
-    "nutation_rate": Name("nutation rate"),
-    "precession_rate": Name("mean precession rate"),
-    "precession_period": Name("precession period", "$T_p$"),
-    "precession_per_nutation": Name("precession per nutation"),
-    "spin_per_nutation": Name("spin per nutation"),
-    "nutations_per_turn": Name("nutations per turn"),
-    "nutations_in_period": Name("nutations in a precession period"),
-    "phi_rate_max": Name("largest precession rate"),
-    "theta_rate_max": Name("largest nutation rate"),
-    "omega_max": Name("largest angular velocity"),
-    "force_max": Name("largest support force"),
-    "force_z_min": Name("minimum vertical support force"),
-    "force_z_max": Name("maximum vertical support force"),
-    "energy_error_max": Name("largest energy error"),
-    "motion_class": Name("class of the motion"),
-    "growth_rate": Name("growth of deviations"),
-    "lyapunov_exponent": Name("Lyapunov exponent"),
-    "largest_singular_value": Name("largest growth of a deviation"),
-    "momentum_period": Name("period of the momentum"),
-    "momentum_turn": Name("turn about the momentum"),
-    "momentum_turn_geometric": Name("geometric phase of the momentum"),
-    "momentum_axis": Name("axis of the momentum"),
-    "evaluations": Name("function evaluations"),
-    "steps": Name("steps"),
-    "time_s": Name("computing time"),
-    "spin_ratio": Name("spin ratio", r"$\lambda=\omega_3\,/\sqrt{4mgl/I_3}$", "λ"),
-    "mass": Name("mass", "$m$", "m"),
-    "gravity": Name("gravity", "$g$", "g"),
-    "length": Name("distance of the centre of mass", "$l$", "l"),
-    "inertia": Name("moment of inertia", "$I$", "I"),
-    "quaternion": Name("quaternion", "$q$", "q"),
-    "omega": Name("angular velocity", r"$\omega$", "ω"),
-    "rod_length": Name("length of the rod"),
-    "vibration_rate": Name("rate of the vibration", r"$\Omega$", "Ω"),
-    "vibration_amplitude": Name("amplitude of the vibration", "$A$", "A"),
-    "earth_rate": Name("angular velocity of the Earth"),
-}
-"""Columns of tables and keys of the input, with what they are called by themselves."""
-
-INITIAL = frozenset(
-    {"phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate", "omega", "omega3", "quaternion"}
-)
+ANGLES = {"phi", "theta", "psi"}
+INITIAL = {*ANGLES, *(f"{name}_rate" for name in ANGLES), "omega", "omega3", "quaternion"}
 """Keys of the group `initial` that are columns, too: as keys they are initial."""
-
-WORDS = {**METHODS, **FORMULATIONS, **KINDS, **ENDS}
 
 KEY = re.compile(r"(?:(\w+)(?:\((\d+)\))?\.)?(\w+)(?:\((\d+)(?:,(\d+))?\))?")
 """A group, a key or a column, and which elements of an array."""
 
-PARTS = {
-    "_fast_top": " of a fast top",
-    "_bound": ", bound",
-    "_max": ", largest",
-    "_end": " at the end",
-}
-"""What endings of columns say."""
-
-BUTCHER = re.compile(r"arkode_(\w+?)((?:_\d+)+)")
-PEOPLE = frozenset(
-    (
-        *("heun", "euler", "bogacki", "shampine", "zonneveld", "sayfy", "aburub", "cash", "karp"),
-        *("fehlberg", "dormand", "prince", "verner", "billington", "kvaerno"),
-    )
-)
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
-
-POWER = re.compile(r"\^(-?\d+)")
 RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Digits of a power of ten, or of a unit."""
 
-UNITS = {"degree": "deg", "revolution": "rev", "standard_free_fall": "g0"}
-"""Words of units that NetCDF tables name otherwise, as UDUNITS knows them."""
 UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""
 
 
 def unit_of_netcdf(text: str) -> str:
-    """A unit of a NetCDF table as tables of texts have it."""
-    if text == "1":
-        return ""
-    return re.sub(r"^[^ */^]+", lambda word: UNITS.get(word[0], word[0]), text)
+    """A unit of a NetCDF table, in which UDUNITS knows the words, as tables of texts have it."""
+    own = {"degree": "deg", "revolution": "rev", "standard_free_fall": "g0"}
+    return "" if text == "1" else re.sub(r"^[^ */^]+", lambda word: own.get(word[0], word[0]), text)
 
 
 def unit_shown(column: str, unit: str) -> tuple[str, float]:
@@ -211,31 +65,31 @@ def unit_shown(column: str, unit: str) -> tuple[str, float]:
 def raised(unit: str) -> str:
     """A unit as in print: kg m², µs, degrees."""
     words = re.sub(r"\bus\b", "µs", UNIT_WORDS.get(unit, unit))
-    return POWER.sub(lambda power: power[1].translate(RAISED), words)
+    return re.sub(r"\^(-?\d+)", lambda power: power[1].translate(RAISED), words)
 
 
 def find_name(key: str) -> Name:
     """The name of a column, of a key of the input such as `top.inertia(1)`, or of a word."""
-    if key in WORDS:
-        return Name(WORDS[key])
-    if key in QUANTITIES:
-        return QUANTITIES[key]
+    if key in NAMES:
+        return NAMES[key]
     if key.startswith("uncertainty."):
         return Name(f"radius of the {name_of(key.partition('.')[2])}")
     column, derivative, other = key.partition("__")
     if derivative:
         return Name(f"change of {name_of(column)} with {name_of(other)}")
-    if table := BUTCHER.fullmatch(key):
-        people = (word.title() if word in PEOPLE else word.upper() for word in table[1].split("_"))
-        return Name(f"{'-'.join(people)} {table[2].strip('_').replace('_', '-')}")
+    if table := re.fullmatch(r"arkode_(\w+?)((?:_\d+)+)", key):
+        parts = table[1].split("_")  # people, or the kind of the table
+        words = (part.upper() if re.search(r"\d|rk$", part) else part.title() for part in parts)
+        return Name(f"{'-'.join(words)} {table[2].strip('_').replace('_', '-')}")
     if not (parts := KEY.fullmatch(key)):
         return Name(key)
     group, part, name, *places = parts.groups()
     name = name.removesuffix("_deg")
-    known = QUANTITIES.get(name) or Name(words_in(name))
+    known = NAMES.get(name) or Name(words_in(name))
     place = "".join(str(int(i) - (name == "quaternion")) for i in filter(None, places))
     if place:
-        known = with_place(known, place)
+        sign = known.sign and known.sign + place.translate(LOWERED)
+        known = Name(f"{known.words} {sign or place}", sign=sign)
     if group == "initial" and name in INITIAL:
         known = Name(f"initial {known.words}", at_start(known.formula), at_start(known.sign))
     return known._replace(words=f"{known.words} of part {part or 1}") if group == "part" else known
@@ -243,7 +97,8 @@ def find_name(key: str) -> Name:
 
 def words_in(name: str) -> str:
     """What the parts of a key say."""
-    for ending, words in PARTS.items():
+    endings = {"_fast_top": " of a fast top", "_bound": ", bound", "_max": ", largest"}
+    for ending, words in (endings | {"_end": " at the end"}).items():
         if name.endswith(ending):
             return name_of(name.removesuffix(ending)) + words
     if name.startswith("work_"):
@@ -258,14 +113,6 @@ def at_start(symbol: str) -> str:
     return symbol[:-1] + "_0$" if symbol.endswith("$") else symbol and symbol + "₀"
 
 
-def with_place(name: Name, place: str) -> Name:
-    """The name of an element of an array."""
-    if not name.sign:
-        return Name(f"{name.words} {place}")
-    sign = name.sign + place.translate(LOWERED)
-    return Name(f"{name.words} {sign}", sign=sign)
-
-
 def name_of(key: str) -> str:
     """What something is called in a title or a legend: words without formulas."""
     return find_name(key).words
@@ -274,7 +121,7 @@ def name_of(key: str) -> str:
 def column_name(column: str, meaning: str = "") -> str:
     """What a column is called, by what its table says of it if it has no name of its own."""
     known = find_name(column).words
-    return known if column in QUANTITIES or "__" in column or not meaning else meaning
+    return known if column in NAMES or "__" in column or not meaning else meaning
 
 
 def sign_of(key: str) -> str:
@@ -292,3 +139,61 @@ def axis_of(key: str, unit: str = "", between: str = " ") -> str:
 def with_unit(name: str, unit: str) -> str:
     """The label of an axis."""
     return f"{name} ({raised(unit)})" if unit else name
+
+
+@functools.cache
+def listed(topic: str) -> dict[str, list]:
+    """What `spintop list TOPIC --json` gives, from its copy.
+
+    scripts/manual_tables renews the copies, and a test compares them.
+    """
+    return json.loads(Path(__file__).with_name(f"{topic}.json").read_text(encoding="utf-8"))
+
+
+def columns_of(study: str) -> dict[str, dict]:
+    """The columns of a kind of study by name: unit, description, and whether they hold words."""
+    return {
+        column["name"]: column
+        for column in listed("columns")["columns"]
+        if column["study"] == study
+    }
+
+
+@functools.cache
+def units_of_columns() -> dict[str, str]:
+    """The units of the columns of all kinds of study by name; empty where there is none."""
+    return {column["name"]: column["unit"] or "" for column in listed("columns")["columns"]}
+
+
+@functools.cache
+def column_units() -> dict[tuple[str, str], dict]:
+    """Other units of columns, by the unit of a column and the suffix of its name."""
+    return {(unit["of"], unit["suffix"]): unit for unit in listed("columns")["column_units"]}
+
+
+@functools.cache
+def words_of(study: str) -> frozenset[str]:
+    """The columns of words in the tables of a kind of study; all others hold numbers."""
+    own = {name for name, column in columns_of(study).items() if column["words"]}
+    return frozenset({"program", *own, *listed("columns")["other_words"]})  # by scripts/compare
+
+
+@functools.cache
+def good_ends() -> frozenset[str]:
+    """The statuses of motions that were computed to their end."""
+    return frozenset(status["name"] for status in listed("statuses")["statuses"] if status["good"])
+
+
+def is_good_end(status: object) -> bool:
+    """Whether a status is that of a good end; more words may follow, as in `at_rest at t = 3`."""
+    return re.split(r"[ :]", str(status), maxsplit=1)[0] in good_ends()
+
+
+def ended_well(rows: pd.DataFrame) -> pd.Series:
+    """Which rows have a status of a good end."""
+    return rows["status"].isin(good_ends())
+
+
+def count_failures(rows: pd.DataFrame) -> dict[str, int]:
+    """How many rows there are with each other status, the most frequent first."""
+    return rows["status"][~ended_well(rows)].value_counts().to_dict()

@@ -1,20 +1,32 @@
-"""Reading a table of spintop: its header of `#` lines, its rows, its status."""
+"""Reading a table of spintop, of text or NetCDF: its header, its rows, its status.
+
+And its columns in other units than their own: `theta_deg` is the column `theta` in degrees.
+"""
 
 import csv
 import io
 import itertools
 import re
+import tempfile
 import zlib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import pandas as pd
 
-from spintop_figures.tables.characters import TableError, printable
-from spintop_figures.tables.names import unit_shown
-from spintop_figures.tables.words import words_of
+from spintop_figures.tables.names import (
+    column_units,
+    unit_of_netcdf,
+    unit_shown,
+    units_of_columns,
+    words_of,
+)
+
+if TYPE_CHECKING:
+    from xarray import Variable
 
 NOTE = "does not end with the number and the checksum of its rows: it may have been cut or changed"
 """The note on a table of an earlier version."""
@@ -22,24 +34,42 @@ NOTE = "does not end with the number and the checksum of its rows: it may have b
 FORMAT = "1"
 """Format of the tables that can be read."""
 
-BIN, COLUMN_NAME = "bin", "column"
-"""First columns of the statistics of a sweep, and of their histograms."""
-EVENT = "event"
-"""First column of a table of events, which may have no rows."""
+BESIDE = {"event": "events", "bin": "statistics", "column": "histogram"}
+"""The tables beside those of studies, by their first columns. One of events may have no rows."""
 
 VALUE = re.compile(r"'((?:[^']|'')*)'|([^\s,]+)")
 ASSIGNMENT = re.compile(r"([a-z]\w*(?:\([^)]*\))?)\s*=\s*(.*)", re.IGNORECASE)
 COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
-LONGEST = 40
-"""Characters of a cell that a message quotes at most."""
-
 
 END = re.compile(r"(\d+) rows, CRC-32 ([0-9A-F]{8})")
 KEY = b"# end: "
 """Begins the last line of a complete table, as in `# end: 20 rows, CRC-32 9C2E1F05`. The CRC-32 is
 zlib's, over all bytes from the line of names to the last line. In NetCDF the attribute `end` says
 the same of the rows as 64-bit numbers, row by row."""
+
+
+class TableError(Exception):
+    """What is wrong with a table, in one line."""
+
+
+def printable(text: object) -> str:
+    """The text with whatever a terminal would obey or not know written as an escape sequence.
+
+    Control characters, those that change the direction of writing, and bytes of a file name that
+    are none of the locale's encoding become `\\x1b`, `\\u202e` and the like.
+    """
+    text = str(text)
+    return text if text.isprintable() else "".join(map(escape, text))
+
+
+def escape(character: str) -> str:
+    """A character as Python would write it in a text, if it cannot be shown."""
+    if character.isprintable():
+        return character
+    if 0xDC80 <= ord(character) <= 0xDCFF:  # a byte of a file name
+        return f"\\x{ord(character) - 0xDC00:02x}"
+    return character.encode("unicode_escape").decode()
 
 
 @dataclass(frozen=True)
@@ -77,10 +107,9 @@ class Table:
     @property
     def kind(self) -> str:
         """The kind of the study, or of the table beside that of the study."""
-        beside = {EVENT: "events", BIN: "statistics", COLUMN_NAME: "histogram"}
         if "factor" in self.rows:
             return "indices"
-        return beside.get(self.rows.columns[0], self.setting("study.kind"))
+        return BESIDE.get(self.rows.columns[0], self.setting("study.kind"))
 
     def setting(self, key: str) -> str:
         """The first value of a setting, such as study.kind; empty if it has none."""
@@ -143,13 +172,15 @@ def read_table(path: str | Path) -> Table:
     """Read a table, or raise a TableError that says why it is none."""
     path = Path(path)
     try:
-        if path.suffix == ".nc":
-            from spintop_figures.tables.netcdf import read_netcdf_table
-
-            return read_netcdf_table(path)
-        return table_of_text(path, path.read_bytes())
+        if path.suffix != ".nc":
+            return table_of_text(path, path.read_bytes())
+        return table_of_netcdf(path, *read_netcdf(path))
     except OSError as error:
         raise TableError((error.strerror or str(error)).lower()) from error
+    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
+        if path.suffix != ".nc":
+            raise
+        raise TableError("is damaged or cut short") from error
 
 
 def table_in_memory(
@@ -207,7 +238,7 @@ def table_of_text(
         rows = read_rows(names, body[::stride], words_of(kind))
     else:
         rows = rows_of({name: columns[name][::stride] for name in names})
-    if rows.empty and names[0] != EVENT:
+    if rows.empty and names[0] != "event":
         raise TableError("has no rows" + (f" (status: {status})" if status else ""))
     if problem := problem_of_text(data) if columns is None else "":
         raise TableError(problem + place_of(names, body))
@@ -234,12 +265,6 @@ def problem_of_text(data: bytes) -> str | None:
         first = data.index(b"\n", first) + 1
     rows = sum(not line.startswith(b"#") for line in data[first:start].split(b"\n")[:-1]) - 1
     return compare(last.removeprefix("# end: ").strip(), rows, zlib.crc32(data[first:start]))
-
-
-def problem_of_cells(said: str, cells: list[np.ndarray]) -> str:
-    """What is wrong with the columns of a NetCDF table; empty if they are as they were written."""
-    rows = np.column_stack([column.astype("<f8") for column in cells])
-    return compare(said, len(rows), zlib.crc32(rows.tobytes()))
 
 
 def compare(said: str, rows: int, crc: int) -> str:
@@ -323,7 +348,7 @@ def read_rows(
             continue
         for (number, _), cell in zip(body, map(str, column), strict=True):
             if is_word(cell):
-                cell = printable(cell if len(cell) <= LONGEST else f"{cell[:LONGEST]}...")
+                cell = printable(cell if len(cell) <= 40 else f"{cell[:40]}...")
                 raise TableError(f"line {number}: '{cell}' in {name} is no number")
         rows[name] = [float(cell) for cell in column]  # integers that are too long for 64 bits
     return rows
@@ -409,3 +434,115 @@ def read_head(
 def read_values(text: str) -> list[str]:
     """The values of a namelist assignment, without their quotes."""
     return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
+
+
+class Converted(NamedTuple):
+    """What the name of a column in another unit says: its column, the unit, its size in `own`."""
+
+    column: str
+    unit: str
+    size: float
+    own: str
+
+
+def converted(name: str) -> Converted | None:
+    """What a name says; None if it is that of a column in its own unit, or of none."""
+    own = units_of_columns()
+    column, _, suffix = name.rpartition("_")
+    if name in own or column not in own:
+        return None
+    unit = column_units().get((own[column], suffix))
+    return unit and Converted(column, unit["unit"], unit["size"], own[column])
+
+
+def in_own_units(table: Table) -> Table:
+    """The table with all its columns in their own units too, in which figures are drawn."""
+    there = {name: converted(name) for name in table.rows}
+    lacking = {
+        name: found for name, found in there.items() if found and found.column not in table.rows
+    }
+    if not lacking:
+        return table
+    cells = {found.column: table.rows[name] * found.size for name, found in lacking.items()}
+    units = {found.column: found.own for found in lacking.values()}
+    meanings = {found.column: table.meanings.get(name, "") for name, found in lacking.items()}
+    return replace(
+        table,
+        rows=table.rows.assign(**cells),
+        units=table.units | units,
+        meanings=table.meanings | meanings,
+    )
+
+
+def read_netcdf(path: Path) -> tuple[dict[str, object], dict[str, "Variable"]]:
+    """The attributes of a file and its variables in their order, with numbers as they stand there.
+
+    A data set of xarray would have coordinates before all others.
+    """
+    try:
+        import netCDF4  # noqa: F401
+        from xarray.backends import NetCDF4DataStore
+    except ImportError as error:
+        raise TableError(
+            "is read by the Python packages netCDF4 and xarray, which are not installed: `pip "
+            "install netCDF4 xarray`, in a checkout `.venv/bin/pip install --no-deps netCDF4 "
+            "xarray cftime certifi -c scripts/requirements.lock`"
+        ) from error
+    if path.stat().st_size == 0:
+        raise TableError("is empty")
+    try:
+        # The library takes no name that is not in the encoding of the locale.
+        with tempfile.TemporaryDirectory() as folder:
+            link = Path(folder, "table.nc")
+            link.symlink_to(path.absolute())
+            with NetCDF4DataStore.open(link) as store:
+                variables, attributes = store.load()
+                return dict(attributes), {name: each.load() for name, each in variables.items()}
+    except (OSError, RuntimeError, ValueError) as error:
+        raise TableError("is no NetCDF file, or is damaged or cut short") from error
+
+
+def table_of_netcdf(
+    path: Path, found: dict[str, object], variables: dict[str, "Variable"]
+) -> Table:
+    """The table that a NetCDF file holds: of a sweep, of a trajectory, or of statistics."""
+    header = {key: str(value) for key, value in found.items()}
+    lines = [printable(line) for line in header.pop("input", "").split("\n")]
+    said = header.pop("end", "")
+    header = {key: printable(text) for key, text in header.items()}
+    check_program(header)
+    settings = read_head([line.strip() for line in lines])[1]
+    known = {"path": path, "header": header, "settings": settings, "input": "\n".join(lines)}
+    columns = {printable(each.attrs["column"]): each for each in variables.values()}
+    if not columns:
+        raise TableError("has no columns")
+    grid = columns.get("case", next(iter(columns.values())))
+    status = header.pop("status", None)
+    if grid.size == 0:
+        raise TableError("has no rows" + (f" (status: {status})" if status else ""))
+    stride = stride_of(settings.get("study.kind", [""])[0], list(columns), grid.size)
+    numbers = {name: each.set_dims(grid.sizes).values.ravel() for name, each in columns.items()}
+    rows = np.column_stack([column.astype("<f8") for column in numbers.values()])
+    if problem := said and compare(said, len(rows), zlib.crc32(rows.tobytes())):
+        raise TableError(problem)
+    cells = {name: in_words(columns[name], values)[::stride] for name, values in numbers.items()}
+    known["units"], known["meanings"] = (
+        {name: printable(each.attrs.get(key, "")) for name, each in columns.items()}
+        for key in ("units", "long_name")
+    )
+    known["units"] = {name: unit_of_netcdf(unit) for name, unit in known["units"].items()}
+    note = "" if said else NOTE
+    return Table(**known, rows=pd.DataFrame(cells), status=status, stride=stride, note=note)
+
+
+def in_words(variable: "Variable", values: np.ndarray) -> np.ndarray:
+    """The cells of a column: numbers, or the words that stand for their values or their bits."""
+    words = str(variable.attrs.get("flag_meanings", "")).split()
+    if "flag_values" in variable.attrs:
+        return np.array(words)[values]
+    if "flag_masks" in variable.attrs:
+        masks = [int(mask) for mask in np.atleast_1d(variable.attrs["flag_masks"])]
+        pairs = list(zip(masks, words, strict=True))
+        texts = {bits: "; ".join(w for m, w in pairs if bits & m) for bits in set(values.tolist())}
+        return np.array([texts[bits] for bits in values.tolist()])
+    return values

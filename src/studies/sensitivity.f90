@@ -1,4 +1,4 @@
-!> Sensitivities: the columns `COLUMN__KEY` of a table, each the derivative of a column with respect to a number of the
+!> The columns `COLUMN__KEY` of a table, its sensitivities: each the derivative of a column with respect to a number of the
 !> input, and `COLUMN__KEY_error`, the estimate of its error.
 !>
 !> The error of the method shows from other accuracies: a tenth and a hundredth of its tolerances, or a half and a quarter of its

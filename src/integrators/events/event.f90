@@ -10,7 +10,7 @@ module spintop_event
     private
     public :: event_t, event_quantities_t, occasion_none, occasion_stuck, occasion_slip, occasion_knot, path_t
 
-    !> Occasions: none (a passage); dry friction stops the body; the torques overcome dry friction, and the body begins
+    !> What an event is: a passage; dry friction stops the body; the torques overcome dry friction, and the body begins
     !> to move; a row of a table of torques.
     integer, parameter :: occasion_none = 0, occasion_stuck = 1, occasion_slip = 2, occasion_knot = 3
 

@@ -170,7 +170,6 @@ contains
         real(dp), parameter :: none(1) = 0
         integer, parameter :: first(1) = 1
         real(dp) :: gamma(3), w1, w2, w3, unused(max_aside)
-        type(loads_t) :: loads
 
         status = status_ok
         if (self%has_effects) then
@@ -178,10 +177,13 @@ contains
                 ! A slope is a first stage.
                 call c_find_stages(0, 0, 1, self%kinds, self%constants, t, y, 0.0_dp, 1, none, first, none, dy, unused)
             else
-                call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
-                dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
-                dy(5:7) = loads%rate
-                dy(8) = 0
+                block
+                    type(loads_t) :: loads ! is initialized: not in calls that have no use for it
+                    call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+                    dy(1:4) = quaternion_product(y(1:4), [0.0_dp, loads%omega]) / 2
+                    dy(5:7) = loads%rate
+                    dy(8) = 0
+                end block
             end if
             return
         end if
@@ -212,17 +214,19 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: omega(3) !! in body axes, rad/s
         real(dp), intent(out), optional :: rate(3) !! its rate, rad/s^2
-        type(loads_t) :: loads
         real(dp) :: dy(max_states)
         integer :: status
         if (self%has_effects) then
-            if (present(rate)) then
-                call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
-                rate = acceleration(self%body, loads)
-            else
-                call find_kinematics(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
-            end if
-            omega = loads%omega
+            block
+                type(loads_t) :: loads
+                if (present(rate)) then
+                    call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+                    rate = acceleration(self%body, loads)
+                else
+                    call find_kinematics(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+                end if
+                omega = loads%omega
+            end block
             return
         end if
         omega = y(5:7) / self%body%inertia

@@ -79,7 +79,7 @@ contains
         logical, intent(in), optional :: meets_pole !! `may_meet_pole`, where that was asked before
         !> Rotation that attitudes tell in axes other than the principal ones, rad; one that is followed in no case.
         real(dp), parameter :: largest_turn = 1.0_dp, endless_turn = 1.0e4_dp
-        real(dp) :: start(3), turn
+        real(dp) :: start(3), rates(3, 2), turn
         logical :: beside, passes, may_meet
 
         associate (last => self%last, h => abs(next%t - self%last%t))
@@ -99,8 +99,9 @@ contains
                 may_meet = self%may_meet_pole(next)
             end if
             if (may_meet) then
-                call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, next%angle, sure, beside, &
-                                   reshape([last%omega_rate, next%omega_rate], [3, 2]))
+                rates(:, 1) = last%omega_rate
+                rates(:, 2) = next%omega_rate
+                call follow_angles(last%quaternion, last%omega, next%quaternion, next%omega, h, next%angle, sure, beside, rates)
                 ! Where body z was in a pole or is beside one, or passes through it at a distance, a passage settles the angles.
                 if (beside .or. next%passed%arrived .or. self%reach > through_pole .or. .not. sure) then
                     sure = sure .and. .not. next%passed%arrived

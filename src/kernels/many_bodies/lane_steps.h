@@ -10,8 +10,8 @@ inlined vector size_of_rows(const double *row, int from, int to) {
 }
 
 // The time at which one of the last two terms of the series reaches the tolerance, in units of what it may be; at most `growth`
-// times that of the last step, and stretched to the end if this suffices. `trouble` is 0, or why a lane takes no step: 1 if that
-// would be shorter than `shortest` times the time, or if there were `most` steps, 2 if the terms are not finite.
+// times that of the last step, and stretched to the end if this suffices. `trouble` is 0, or why a lane takes no step: 1 if
+// that would be shorter than `shortest` times the time, or if there were `most` steps, 2 if the terms are not finite.
 static void choose_durations(int order, double absolute, double relative, double growth, double safety, double stretch,
                              double shortest, int64_t most, const double *c, const double *scale, const double *t,
                              const double *t_end, const int64_t *steps, double *h, double *duration, int64_t *trouble) {

@@ -235,7 +235,7 @@ def draw_numbers(
             axes.contour(grid.x, grid.y, smooth, levels=[0], colors="0.25", linewidths=1.0)
         after += f",\nwith jumps by about {write(size, 3)}" if cut.any() else ""
         mark_negative(axes, grid.x, grid.y, whole)
-        after += f"; {MINUS}: below zero"
+        after += f"; {MINUS}:\u00a0below\u00a0zero"
     if quantity.most:
         after += f"; largest: {quantity.most}"
     head(axes, quantity.label, bar.ax.yaxis, quantity.unit, after)

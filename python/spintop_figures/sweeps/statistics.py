@@ -135,7 +135,7 @@ def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, nam
     cells = np.ma.masked_invalid(values.reshape(bins[1].middles.size, bins[0].middles.size))
     bar = draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
     if name and is_signed(norm):
-        after = f"; {MINUS}: below zero"
+        after = f"; {MINUS}:\u00a0below\u00a0zero"
         mark_negative(axes, *(each.middles for each in bins), cells)
     head(axes, words, bar.ax.yaxis, unit, after)
 

@@ -200,10 +200,8 @@ def test_damaged_parts(spin, text):
     whole = damaged.read_bytes()
     begin, end = whole.index(b"spintop statistics 3"), len(whole)
     damages = [whole[: begin + 30], whole[:-1], whole[:-40], whole[:begin]]
-    for place in (
-        *range(begin + 25, begin + 900, 97),
-        *range(end - 5, begin, -(end - begin) // 24),
-    ):
+    middle = end // 2 + begin // 2
+    for place in (*range(begin + 25, begin + 900, 97), middle, *range(end - 5, begin, -331)):
         damages.append(whole[:place] + bytes([whole[place] ^ 64]) + whole[place + 1 :])
     merge = ("merge", "output/all.statistics.csv")
     for damage in damages:

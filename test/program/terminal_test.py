@@ -124,9 +124,9 @@ def test_width_of_messages(spin, columns):
 @each("topic", "", "columns", "methods", "parameters", "events")
 def test_width_of_lists(spin, topic):
     """Lists are wrapped on a terminal, and have the same words for other programs."""
-    shown = show(spin, "list", *topic.split(), columns=70, NO_COLOR="1")
+    shown = show(spin, "list", *topic.split(), NO_COLOR="1")
     assert "".join(shown.split()) == "".join(spin.call("list", *topic.split()).out.split())
-    assert widest(shown.splitlines()) <= 70
+    assert widest(shown.splitlines()) <= COLUMNS
 
 
 # Names of files with characters that a terminal obeys: shown on one line, escaped.

@@ -49,29 +49,36 @@ contains
     end function paper_wheel
 
     !> Follows any body from its start by a method, at a tolerance (0: its own) or with so many steps, under a formulation
-    !> (`rigid_body`), to the last of some times, and keeps what is seen at these; returns how the run ended.
-    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search, outcome) &
-        result(status)
+    !> (`rigid_body`), to a time (the last of some times), and keeps what is seen at these; returns how the run ended.
+    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search, outcome, &
+                                    t_end, absolute, max_steps, fixed_point, limit) result(status)
         character(*), intent(in) :: method
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         type(recorder_t), intent(out) :: seen
         character(*), intent(in), optional :: form
-        integer, intent(in), optional :: steps, project
+        integer, intent(in), optional :: steps, project, max_steps, limit !! `limit` ends the run after so many motions
         class(event_search_t), intent(inout), optional :: search
         type(outcome_t), intent(out), optional :: outcome
+        real(dp), intent(in), optional :: t_end, absolute
+        logical, intent(in), optional :: fixed_point
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(outcome_t) :: own_outcome
+        real(dp) :: end
+        end = maxval(times)
+        if (present(t_end)) end = t_end
+        if (present(limit)) seen%limit = limit
         if (present(form)) then
             call create_formulation(form, formulation, body=body)
         else
             call create_formulation('rigid_body', formulation, body=body)
         end if
-        call make_stepper(method, stepper, steps, project=project)
-        if (tolerance > 0) call make_stepper(method, stepper, steps, tolerance, project=project)
-        call integrate(formulation, stepper, body, start, maxval(times), times, seen, own_outcome, search)
+        call make_stepper(method, stepper, steps, absolute=absolute, max_steps=max_steps, project=project, fixed_point=fixed_point)
+        if (tolerance > 0) stepper%controls%relative_tolerance = tolerance
+        if (tolerance > 0 .and. .not. present(absolute)) stepper%controls%absolute_tolerance = tolerance
+        call integrate(formulation, stepper, body, start, end, times, seen, own_outcome, search)
         status = own_outcome%status
         if (present(outcome)) outcome = own_outcome
     end function observe_motion

@@ -3,18 +3,8 @@
 import ctypes
 import os
 import sys
-from collections.abc import Iterator, Mapping
-from ctypes import (
-    CFUNCTYPE,
-    POINTER,
-    Structure,
-    c_char_p,
-    c_double,
-    c_int,
-    c_longlong,
-    c_size_t,
-    c_void_p,
-)
+from collections.abc import Iterator
+from ctypes import CFUNCTYPE, POINTER, c_char_p, c_double, c_int, c_longlong, c_size_t, c_void_p
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -63,7 +53,7 @@ class OutputError(SpintopError, OSError):
 EXCEPTIONS = {2: InputError, 3: MotionError, 4: OutputError}
 
 
-class CError(Structure):
+class CError(ctypes.Structure):
     """`spintop_error` of the header."""
 
     _fields_ = (
@@ -73,7 +63,7 @@ class CError(Structure):
     )
 
 
-class CColumn(Structure):
+class CColumn(ctypes.Structure):
     """`spintop_column` of the header."""
 
     _fields_ = (
@@ -84,7 +74,7 @@ class CColumn(Structure):
     )
 
 
-class CTable(Structure):
+class CTable(ctypes.Structure):
     """`spintop_table` of the header."""
 
     _fields_ = (
@@ -96,7 +86,7 @@ class CTable(Structure):
     )
 
 
-class CResult(Structure):
+class CResult(ctypes.Structure):
     """`spintop_result` of the header."""
 
     _fields_ = (
@@ -179,29 +169,32 @@ def bytes_of(text: str) -> bytes:
     return encoded
 
 
-def raise_error(place: "ctypes._Pointer[CError]") -> None:
-    """Raise the error of a call, which is deleted; without one return."""
+def ask(name: str, *arguments: Any) -> Any:
+    """What a function of the header gives, the last argument of which is the place of an error.
+
+    The error is raised. Texts are given as str, and columns as a dict of arrays of numpy: C has the
+    three arguments number, names and addresses.
+    """
+    given: list[Any] = []
+    for argument in arguments:
+        if isinstance(argument, str):
+            given.append(bytes_of(argument))
+        elif isinstance(argument, dict):
+            count, places = len(argument), (array.ctypes.data for array in argument.values())
+            given += [count, (c_char_p * count)(*map(bytes_of, argument))]
+            given.append((c_void_p * count)(*places))
+        else:
+            given.append(argument)
+    place = POINTER(CError)()
+    result = getattr(library(), f"spintop_{name}")(*given, place)
     if not place:
-        return
+        return result
     told = place.contents
-    kind = EXCEPTIONS.get(told.code, SpintopError)
-    error = kind(text_of(told.message))
+    error = EXCEPTIONS.get(told.code, SpintopError)(text_of(told.message))
     error.code, error.line, error.column = told.code, told.line, told.column
     error.status, error.source = text_of(told.status), text_of(told.source)
     library().spintop_error_delete(place)
     raise error
-
-
-def new_place() -> "ctypes._Pointer[CError]":
-    """A place for the error of a call."""
-    return POINTER(CError)()
-
-
-def columns_of(arrays: Mapping[str, Any]) -> tuple[int, Any, Any]:
-    """Arrays of numpy for C: how many there are, their names, and where they are."""
-    names, places = map(bytes_of, arrays), (array.ctypes.data for array in arrays.values())
-    count = len(arrays)
-    return count, (c_char_p * count)(*names), (c_void_p * count)(*places)
 
 
 def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_double]":

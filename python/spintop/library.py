@@ -2,6 +2,8 @@
 
 import ctypes
 import os
+import re
+import subprocess
 import sys
 from collections.abc import Iterator
 from ctypes import CFUNCTYPE, POINTER, c_char_p, c_double, c_int, c_longlong, c_size_t, c_void_p
@@ -206,28 +208,14 @@ def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_dou
 
 VARIABLE = "SPINTOP_LEVEL"
 """The variable of the environment that chooses a lower level, as for the program."""
-NEEDED = {
-    "v2": "cx16 lahf_lm popcnt sse4_1 sse4_2 ssse3",
-    "v3": "abm avx avx2 bmi1 bmi2 f16c fma movbe xsave",
-    "v4": "avx512bw avx512cd avx512dq avx512f avx512vl",
-}
-"""What a level of x86-64 has in addition to the one before it, in the words of /proc/cpuinfo."""
+LINKER = "/lib64/ld-linux-x86-64.so.2"
+"""The dynamic linker of every x86-64 with glibc."""
 
 
-def features(text: str) -> set[str]:
-    """The features of a processor, from the text of /proc/cpuinfo."""
-    lines = (line.partition(":") for line in text.splitlines())
-    return next((set(words.split()) for name, _, words in lines if name.strip() == "flags"), set())
-
-
-def levels_of(found: set[str]) -> list[str]:
-    """The levels of a processor with these features, from the lowest."""
-    levels = []
-    for level, needed in NEEDED.items():
-        if not found.issuperset(needed.split()):
-            break
-        levels.append(level)
-    return levels
+def levels() -> list[str]:
+    """The levels of x86-64 that this processor has, from the lowest, as the dynamic linker says."""
+    said = subprocess.run([LINKER, "--help"], capture_output=True, text=True, check=False).stdout
+    return sorted(re.findall(r"x86-64-(v\d) \(supported", said))
 
 
 def chosen_folder(package: Path) -> Path:
@@ -236,15 +224,13 @@ def chosen_folder(package: Path) -> Path:
     An ImportError says that SPINTOP_LEVEL names no level of the processor, or that the processor
     is older than the oldest for which there is a library.
     """
-    if not any((package / level).is_dir() for level in NEEDED):
+    if not any(package.glob("v[0-9]")):
         return package
-    text = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
-    levels = levels_of(features(text))
-    if not levels:
+    known = levels()
+    if not known:
         raise ImportError("this processor is older than x86-64-v2, for which spintop is built")
-    level = os.environ.get(VARIABLE) or levels[-1]
-    if level not in levels:
-        known = ", ".join(levels)
-        message = f"{VARIABLE} is '{level}', but the levels of this processor are: {known}"
-        raise ImportError(message)
+    level = os.environ.get(VARIABLE) or known[-1]
+    if level not in known:
+        message = f"{VARIABLE} is '{level}', but the levels of this processor are: "
+        raise ImportError(message + ", ".join(known))
     return package / level

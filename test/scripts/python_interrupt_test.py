@@ -6,7 +6,6 @@ import os
 import signal
 import tempfile
 import threading
-import time
 import unittest
 from collections.abc import Callable
 from pathlib import Path
@@ -72,11 +71,8 @@ class InterruptTest(unittest.TestCase):
             if not asked.wait(PATIENCE) or ended.is_set():
                 return
             if computing:
-                for _ in range(3000):  # on a busy machine a call prepares its data for long
-                    if taking := [each for each in threading.enumerate() if each.daemon]:
-                        break
-                    time.sleep(0.01)
-                signal.pthread_kill(taking[0].ident, signal.SIGINT)
+                taking = next(thread for thread in threading.enumerate() if thread.daemon)
+                signal.pthread_kill(taking.ident, signal.SIGINT)
             else:
                 os.kill(os.getpid(), signal.SIGINT)
             if not ended.wait(PATIENCE):

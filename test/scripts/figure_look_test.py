@@ -124,6 +124,19 @@ class FigureLookTest(TableCase):
         missing = {kind.name for kind in FIGURES} - seen
         assert missing <= {"peers", "choice", "benchmarks"}
 
+    def test_look_of_methods(self) -> None:
+        """Nor have those of all methods, whose names and axes are the longest."""
+        cases = "slow_top,oblate,flat_disc,thin_rod,kovalevskaya,damped_body,fast_vibration"
+        methods = "stability.methods=rk4,splitting_8,arkode_erk,dop853"
+        stability = "stability", f"stability.cases={cases}", methods
+        for (name, *settings), kind in (
+            (["convergence"], "orders"), (stability, "costs"), (stability, "verdicts"),
+        ):  # fmt: skip
+            table = self.compute(name, *settings)
+            for width in (None, "column") if kind not in WIDE else (None,):
+                with self.subTest(kind=kind, width=width):
+                    assert problems_of(draw(table, kind, width=width)) == []
+
     def test_faults_are_found(self) -> None:
         table = self.read(a_trajectory())
 

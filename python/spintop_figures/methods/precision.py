@@ -341,7 +341,7 @@ def draw_orders(table: Table) -> Figure:
     """Error against step size of the fixed-step methods, with measured orders."""
     rows = equal_steps(table)
     title = "Convergence of the fixed-step methods, with measured / theoretical order"
-    figure, panels = problem_panels(table, title, rows)
+    figure, panels = problem_panels(table, title, rows, by_width(1.0, 1.4))
     words = "step size over the time span"
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
@@ -357,7 +357,7 @@ def draw_orders(table: Table) -> Figure:
         if any(DASH in label for label in labels.values()) and "\n" not in words:
             words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
         name_axis(axes.xaxis, "")
-    name_axis(axes.xaxis, words)
+    name_axis(axes.xaxis, words, letters=by_width(0, 22))
     return figure
 
 

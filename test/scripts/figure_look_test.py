@@ -39,7 +39,7 @@ from plot_case import (
     some_events,
 )
 from spintop_figures import draw, read_table, save_as
-from spintop_figures.files import Files, draw_to
+from spintop_figures.files import draw_to
 from spintop_figures.registry import FIGURES, FigureKind, choose_figures
 from spintop_figures.style.axes import Powers, scale_for
 from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness, the_look
@@ -562,9 +562,8 @@ class OtherUnitsTest(TableCase):
         assert wanted <= drawn
 
     def compare(self, kind: FigureKind, own: Table, other: Table) -> None:
-        files = Files(formats=("own",))
         with unittest.mock.patch("spintop_figures.files.save_as") as save:
             for table in (other, own):
-                draw_to(kind, table, self.folder / "a", files)
+                draw_to(kind, table, self.folder / "a")
         one, two = (texts(call.args[0]) for call in save.call_args_list)
         assert one == two

@@ -8,7 +8,6 @@ from pathlib import Path
 from setuptools import setup
 from setuptools.command.bdist_wheel import bdist_wheel
 from setuptools.command.build_py import build_py
-from setuptools.dist import Distribution
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -39,15 +38,7 @@ class WheelForAnyPython(bdist_wheel):
         return "py3", "none", super().get_tag()[2]
 
 
-class WithLibrary(Distribution):
-    """A distribution for this platform."""
-
-    def has_ext_modules(self) -> bool:
-        """The library is one."""
-        return True
-
-
 setup(
     cmdclass={"build_py": BuildWithLibrary, "bdist_wheel": WheelForAnyPython},
-    distclass=WithLibrary,
+    has_ext_modules=lambda: True,  # the library is one: the distribution is for this platform
 )

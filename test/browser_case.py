@@ -13,6 +13,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.keys import Keys
 
 from conftest import EXE, ROOT, execute
 from reporting.packages import PackageError, esbuild_package, need
@@ -105,9 +108,6 @@ def shared_browser(flags: tuple[str, ...]) -> object:
 
 
 def open_browser(profile: Path, *flags: str) -> object:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
     options = webdriver.ChromeOptions()
     options.binary_location = BROWSER
     for flag in (*FLAGS, *flags, f"--user-data-dir={profile}"):
@@ -179,6 +179,9 @@ class BrowserCase(unittest.TestCase):
     def run_script(self, script: str, *arguments: object) -> object:
         return self.browser.execute_script(script, *arguments)
 
+    def open_details(self) -> None:
+        self.run_script("document.querySelectorAll('details').forEach((d) => { d.open = true })")
+
     def fetched(self) -> set[str]:
         """Requests other than for the pages and their parts."""
         asked, stopped = {}, set()
@@ -225,6 +228,9 @@ class BrowserCase(unittest.TestCase):
 
     def part(self, section: object, name: str) -> object:
         return section.find_element("css selector", f"[data-part={name}]")
+
+    def box(self, part: object) -> dict[str, float]:
+        return self.run_script("return arguments[0].getBoundingClientRect().toJSON()", part)
 
     def numbers(self, section: object) -> list[float]:
         texts = [self.part(section, name).text for name in ("t", "phi", "theta", "psi")]
@@ -278,8 +284,6 @@ class LiveCase(BrowserCase):
 
     def type_into(self, box: object, text: str) -> None:
         """Type a text in place of what a box contains."""
-        from selenium.webdriver.common.keys import Keys
-
         box.send_keys(Keys.CONTROL + "a")
         box.send_keys(text)
 

@@ -9,7 +9,7 @@ from conftest import KIND, ROOT
 COMPARISONS = "kind = 'stability'", "kind = 'work_precision'", "kind = 'benchmark'"
 """These take long: other tests run parts of them."""
 NEEDS_FLINT = {"certified_top", "uncertain_top"}
-"""Builds without FLINT refuse these: `verify_test` runs them."""
+"""Builds without FLINT refuse these: `proof_test` runs them."""
 
 INPUTS = [
     path

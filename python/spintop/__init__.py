@@ -24,29 +24,9 @@ from spintop.results import Result, Table
 from spintop.runs import fit, plot, read, registry, run, sweep
 from spintop.tops import Body, Motion, Top, tops
 
-__all__ = [
-    "Animation",
-    "Body",
-    "InputError",
-    "InputWarning",
-    "Motion",
-    "MotionError",
-    "OutputError",
-    "Result",
-    "SpintopError",
-    "Table",
-    "Top",
-    "animate",
-    "export",
-    "fit",
-    "plot",
-    "read",
-    "registry",
-    "run",
-    "sweep",
-    "tops",
-    "version",
-]
+__all__ = ["Animation", "Body", "InputError", "InputWarning", "Motion", "MotionError"]
+__all__ += ["OutputError", "Result", "SpintopError", "Table", "Top", "animate", "export", "fit"]
+__all__ += ["plot", "read", "registry", "run", "sweep", "tops", "version"]
 
 
 def version() -> str:

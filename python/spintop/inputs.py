@@ -1,5 +1,6 @@
 """Inputs of the program as dictionaries: groups of keys with their values."""
 
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -27,10 +28,10 @@ SHOWN = re.compile(r" *\d* \|(?: *\^+(\.\.\.)?)?(?P<hint> .*)?")
 
 
 def frozen(value: Any) -> Any:
-    """A copy of a value that no later change of a list or an array reaches."""
+    """A copy of a value without arrays and numbers of numpy, and without lists that can change."""
     if isinstance(value, Mapping):
         return {key: frozen(each) for key, each in value.items()}
-    if isinstance(value, np.ndarray):
+    if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     return tuple(map(frozen, value)) if is_list(value) else value
 
@@ -65,18 +66,17 @@ def thread_count(threads: int) -> int:
 
 def literal(value: Any) -> str:
     """A value as it stands in a namelist: numbers in the shortest form that gives the same bits."""
-    if isinstance(value, bool | np.bool_):
+    if isinstance(value, bool):
         return ".true." if value else ".false."
     if isinstance(value, str):
         if len(value.splitlines()) > 1 or value.endswith(("\n", "\r")):
-            raise InputError(
-                f"{value!r} has more than one line, and is no value of an input", code=2
-            )
+            what = "has more than one line, and is no value of an input"
+            raise InputError(f"{value!r} {what}", code=2)
         return "'" + value.replace("'", "''") + "'"
-    if isinstance(value, int | np.integer):
+    if isinstance(value, int):
         return str(int(value))
     if isinstance(value, float | np.floating):
-        if not np.isfinite(value):
+        if not math.isfinite(value):
             raise InputError(f"{value} is no value of an input", code=2)
         return repr(float(value))
     raise InputError(f"a {type(value).__name__} is no value of an input", code=2)
@@ -91,9 +91,7 @@ def assignments(key: str, value: Any) -> list[str]:
     """The lines that assign a value, a list, or rows of lists (`key(1,:) = ...`)."""
     if not is_list(value):
         return [f"{key} = {literal(value)}"]
-    if isinstance(value, np.ndarray) and value.ndim == 0:
-        return [f"{key} = {literal(value[()])}"]
-    if len(value) and all(row is None or is_list(row) for row in value):
+    if value and all(row is None or is_list(row) for row in value):
         rows = [(i, row) for i, row in enumerate(value, 1) if row is not None]
         return [line for i, row in rows for line in assignments(f"{key}({i},:)", row)]
     return [f"{key} = {', '.join(literal(element) for element in value)}"]
@@ -114,7 +112,7 @@ def lines_of(group: str, keys: Mapping[str, Any]) -> list[str]:
         form = KEY.fullmatch(name) if isinstance(name, str) else None
         if form is None or (what == "group" and form[2]):
             raise InputError(f"{name!r} is no name of a {what}", code=2)
-    given = (assignments(key, value) for key, value in keys.items() if value is not None)
+    given = (assignments(key, frozen(value)) for key, value in keys.items() if value is not None)
     return [f"&{group}", *(f"    {line}" for line in chain.from_iterable(given)), "/"]
 
 

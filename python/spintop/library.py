@@ -2,19 +2,11 @@
 
 import ctypes
 import os
+import re
+import subprocess
 import sys
-from collections.abc import Iterator, Mapping
-from ctypes import (
-    CFUNCTYPE,
-    POINTER,
-    Structure,
-    c_char_p,
-    c_double,
-    c_int,
-    c_longlong,
-    c_size_t,
-    c_void_p,
-)
+from collections.abc import Iterator
+from ctypes import CFUNCTYPE, POINTER, c_char_p, c_double, c_int, c_longlong, c_size_t, c_void_p
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -63,7 +55,7 @@ class OutputError(SpintopError, OSError):
 EXCEPTIONS = {2: InputError, 3: MotionError, 4: OutputError}
 
 
-class CError(Structure):
+class CError(ctypes.Structure):
     """`spintop_error` of the header."""
 
     _fields_ = (
@@ -73,7 +65,7 @@ class CError(Structure):
     )
 
 
-class CColumn(Structure):
+class CColumn(ctypes.Structure):
     """`spintop_column` of the header."""
 
     _fields_ = (
@@ -84,7 +76,7 @@ class CColumn(Structure):
     )
 
 
-class CTable(Structure):
+class CTable(ctypes.Structure):
     """`spintop_table` of the header."""
 
     _fields_ = (
@@ -96,7 +88,7 @@ class CTable(Structure):
     )
 
 
-class CResult(Structure):
+class CResult(ctypes.Structure):
     """`spintop_result` of the header."""
 
     _fields_ = (
@@ -179,62 +171,44 @@ def bytes_of(text: str) -> bytes:
     return encoded
 
 
-def raise_error(place: "ctypes._Pointer[CError]") -> None:
-    """Raise the error of a call, which is deleted; without one return."""
+def ask(name: str, *arguments: Any) -> Any:
+    """What a function of the header gives, the last argument of which is the place of an error.
+
+    The error is raised. Texts are given as str, and columns as a dict of arrays of numpy: C has the
+    three arguments number, names and addresses.
+    """
+    given: list[Any] = []
+    for argument in arguments:
+        if isinstance(argument, str):
+            given.append(bytes_of(argument))
+        elif isinstance(argument, dict):
+            count, places = len(argument), (array.ctypes.data for array in argument.values())
+            given += [count, (c_char_p * count)(*map(bytes_of, argument))]
+            given.append((c_void_p * count)(*places))
+        else:
+            given.append(argument)
+    place = POINTER(CError)()
+    result = getattr(library(), f"spintop_{name}")(*given, place)
     if not place:
-        return
+        return result
     told = place.contents
-    kind = EXCEPTIONS.get(told.code, SpintopError)
-    error = kind(text_of(told.message))
+    error = EXCEPTIONS.get(told.code, SpintopError)(text_of(told.message))
     error.code, error.line, error.column = told.code, told.line, told.column
     error.status, error.source = text_of(told.status), text_of(told.source)
     library().spintop_error_delete(place)
     raise error
 
 
-def new_place() -> "ctypes._Pointer[CError]":
-    """A place for the error of a call."""
-    return POINTER(CError)()
-
-
-def columns_of(arrays: Mapping[str, Any]) -> tuple[int, Any, Any]:
-    """Arrays of numpy for C: how many there are, their names, and where they are."""
-    names, places = map(bytes_of, arrays), (array.ctypes.data for array in arrays.values())
-    count = len(arrays)
-    return count, (c_char_p * count)(*names), (c_void_p * count)(*places)
-
-
-def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_double]":
-    """Numbers of the library, which live as long as their owner: the array keeps that alive."""
-    array = (c_double * count).from_address(address)
-    array.owner = owner
-    return array
-
-
 VARIABLE = "SPINTOP_LEVEL"
 """The variable of the environment that chooses a lower level, as for the program."""
-NEEDED = {
-    "v2": "cx16 lahf_lm popcnt sse4_1 sse4_2 ssse3",
-    "v3": "abm avx avx2 bmi1 bmi2 f16c fma movbe xsave",
-    "v4": "avx512bw avx512cd avx512dq avx512f avx512vl",
-}
-"""What a level of x86-64 has in addition to the one before it, in the words of /proc/cpuinfo."""
+LINKER = "/lib64/ld-linux-x86-64.so.2"
+"""The dynamic linker of every x86-64 with glibc."""
 
 
-def features(text: str) -> set[str]:
-    """The features of a processor, from the text of /proc/cpuinfo."""
-    lines = (line.partition(":") for line in text.splitlines())
-    return next((set(words.split()) for name, _, words in lines if name.strip() == "flags"), set())
-
-
-def levels_of(found: set[str]) -> list[str]:
-    """The levels of a processor with these features, from the lowest."""
-    levels = []
-    for level, needed in NEEDED.items():
-        if not found.issuperset(needed.split()):
-            break
-        levels.append(level)
-    return levels
+def levels() -> list[str]:
+    """The levels of x86-64 that this processor has, from the lowest, as the dynamic linker says."""
+    said = subprocess.run([LINKER, "--help"], capture_output=True, text=True, check=False).stdout
+    return sorted(re.findall(r"x86-64-(v\d) \(supported", said))
 
 
 def chosen_folder(package: Path) -> Path:
@@ -243,15 +217,13 @@ def chosen_folder(package: Path) -> Path:
     An ImportError says that SPINTOP_LEVEL names no level of the processor, or that the processor
     is older than the oldest for which there is a library.
     """
-    if not any((package / level).is_dir() for level in NEEDED):
+    if not any(package.glob("v[0-9]")):
         return package
-    text = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
-    levels = levels_of(features(text))
-    if not levels:
+    known = levels()
+    if not known:
         raise ImportError("this processor is older than x86-64-v2, for which spintop is built")
-    level = os.environ.get(VARIABLE) or levels[-1]
-    if level not in levels:
-        known = ", ".join(levels)
-        message = f"{VARIABLE} is '{level}', but the levels of this processor are: {known}"
-        raise ImportError(message)
+    level = os.environ.get(VARIABLE) or known[-1]
+    if level not in known:
+        message = f"{VARIABLE} is '{level}', but the levels of this processor are: "
+        raise ImportError(message + ", ".join(known))
     return package / level

@@ -4,6 +4,7 @@ import base64
 import ctypes
 import html
 import io
+import weakref
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spintop.library import CColumn, CResult, CTable, double_array, library, text_of
+from spintop.library import CColumn, CResult, CTable, library, text_of
 
 if TYPE_CHECKING:
     import pandas
@@ -22,31 +23,39 @@ if TYPE_CHECKING:
 
 
 class Owner:
-    """Deletes a result of the library when nothing needs it any longer."""
+    """Has what the library made, and deletes it when nothing needs it any longer."""
 
-    def __init__(self, place: "ctypes._Pointer[CResult]") -> None:
-        """Take over a result."""
+    def __init__(self, place: Any, delete: str) -> None:
+        """Take over a result or a top, and the name of the function that deletes it."""
         self.place = place
-        self.delete = library().spintop_result_delete
-
-    def __del__(self) -> None:
-        """Delete it."""
-        if hasattr(self, "delete"):
-            self.delete(self.place)
+        # Not at the end of Python, when functions that it calls then may still read columns.
+        weakref.finalize(self, getattr(library(), f"spintop_{delete}"), place).atexit = False
 
     def __reduce__(self) -> Any:
         """Refuse a copy: the memory is the library's."""
         raise TypeError("a result is not copied or pickled; `to_pandas` of its tables is")
 
 
+Texts = dict[str, str]
+
+
+def described(columns: Any, count: int) -> tuple[dict[str, CColumn], Texts, Texts]:
+    """Columns of the library by name, their units, and their meanings."""
+    known = {text_of(columns[i].name): columns[i] for i in range(count)}
+    units = {name: text_of(column.unit) for name, column in known.items()}
+    return known, units, {name: text_of(column.what) for name, column in known.items()}
+
+
 class Columns(Mapping[str, np.ndarray]):
     """Columns by name, with units: what tables and motions have in common."""
 
-    units: Mapping[str, str]
-    """The unit of each column; empty where there is none."""
-    meanings: Mapping[str, str]
-    """The meaning of each column."""
-    _columns: Mapping[str, Any]
+    def __init__(self, columns: Mapping[str, Any], units: Texts, meanings: Texts) -> None:
+        """Take columns, or what they are made of."""
+        self._columns = columns
+        self.units = units
+        """The unit of each column; empty where there is none."""
+        self.meanings = meanings
+        """The meaning of each column."""
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by its name."""
@@ -109,44 +118,37 @@ class Table(Columns):
         self, table: CTable, owner: Owner, grid: Mapping[str, np.ndarray] | None = None
     ) -> None:
         """Take a table of a result; the rows of a sweep over a grid have its dimensions."""
+        self._owner = owner
+        super().__init__(*described(table.columns, table.column_count))
         self.name = text_of(table.name)
         """What it is: `rows`, `events`, `statistics`, `histogram`, `indices` or `residuals`."""
         self.row_count = int(table.row_count)
         """Number of rows."""
         self.frame = text_of(table.frame)
         """Its text as a CSV file without the rows: header, names, status; empty of `Top.events`."""
-        columns = [table.columns[i] for i in range(table.column_count)]
-        self._owner = owner
-        self._columns: dict[str, CColumn] = {text_of(column.name): column for column in columns}
         self._arrays: dict[str, np.ndarray] = {}
         self._grid = dict(grid or {})
         self.shape = tuple(map(len, self._grid.values())) or (self.row_count,)
         """The shape of each column."""
-        self.units = {name: text_of(column.unit) for name, column in self._columns.items()}
-        """The unit of each column; empty where there is none."""
-        self.meanings = {name: text_of(column.what) for name, column in self._columns.items()}
-        """The meaning of each column."""
 
     def __getitem__(self, name: str) -> np.ndarray:
         """A column by its name."""
-        if name not in self._arrays:
-            self._arrays[name] = self._array(self._columns[name]).reshape(self.shape)
-        return self._arrays[name]
+        if name in self._arrays:
+            return self._arrays[name]
+        column, values = self._columns[name], np.empty(0)
+        if self.row_count:
+            memory = (ctypes.c_double * self.row_count).from_address(column.values)
+            memory.owner = self._owner  # which lives as long as the array
+            values = np.frombuffer(memory)
+        values.flags.writeable = False
+        if column.words:
+            words = [text_of(column.words[i]) for i in range(column.word_count)]
+            values = np.array(words or [""], dtype=str)[values.astype(np.intp)]
+        return self._arrays.setdefault(name, values.reshape(self.shape))
 
     def __repr__(self) -> str:
         """Name, rows and columns."""
         return f"<spintop.Table {self.name}: {self.row_count} rows of {', '.join(self)}>"
-
-    def _array(self, column: CColumn) -> np.ndarray:
-        """The values of a column."""
-        values = np.empty(0)
-        if self.row_count:
-            values = np.frombuffer(double_array(column.values, self.row_count, self._owner))
-        values.flags.writeable = False
-        if not column.words:
-            return values
-        words = [text_of(column.words[i]) for i in range(column.word_count)]
-        return np.array(words, dtype=str)[values.astype(np.intp)] if words else values.astype(str)
 
     def _dimensions(self) -> dict[str, np.ndarray]:
         """The dimensions of the columns and the values along them."""
@@ -184,8 +186,7 @@ class Result:
         grid: Mapping[str, np.ndarray] | None = None,
     ) -> None:
         """Take over a result of the library, of an input with this name."""
-        result = place.contents
-        owner = Owner(place)
+        result, owner = place.contents, Owner(place, "result_delete")
         self.ok = result.code == 0
         """Whether the motion, or all cases, succeeded."""
         self.summary = text_of(result.summary)

@@ -24,16 +24,7 @@ from spintop.inputs import (
     thread_count,
     without_places,
 )
-from spintop.library import (
-    PROGRESS,
-    CResult,
-    InputError,
-    bytes_of,
-    columns_of,
-    library,
-    new_place,
-    raise_error,
-)
+from spintop.library import PROGRESS, InputError, ask, library
 from spintop.results import Figures, Result
 
 if TYPE_CHECKING:
@@ -46,8 +37,8 @@ PAUSE = 0.1
 """Seconds between two reports of the progress, and until a signal is handled at the latest."""
 
 
-def call(function: Callable[..., Any], *arguments: Any, progress: Progress = False) -> Any:
-    """Call a function of the library that may take long, in a thread of its own.
+def call(name: str, *arguments: Any, progress: Progress = False) -> Any:
+    """Ask a function of the library that may take long, in a thread of its own.
 
     The calling thread waits for signals and reports. What interrupts it, as Ctrl-C does, stops the
     call. A signal does not end a waiting that begins just after it, nor is the waiting thread told
@@ -69,7 +60,7 @@ def call(function: Callable[..., Any], *arguments: Any, progress: Progress = Fal
     def work() -> None:
         try:
             library().spintop_on_progress(asks, None)
-            ended.set_result(function(*arguments))
+            ended.set_result(ask(name, *arguments))
         except BaseException as error:
             ended.set_exception(error)
 
@@ -112,13 +103,20 @@ def run(
     that is done, from 0 to 1. An InputError has the message of the program with file, line and
     column; a motion that ends early is a result that is not `ok`. Ctrl-C ends the call.
     """
-    given = with_columns(given, columns)
-    read = read_input(given)
-    with without_places(given):
-        place = call_run(*read, None if folder is None else str(folder), threads, progress)
-    result = Result(place, read[1])
+    return run_input(with_columns(given, columns), folder, threads, progress)
+
+
+def run_input(
+    given: Input, folder: str | Path | None, threads: int, progress: Progress, path: str = ""
+) -> Result:
+    """Run an input; messages of one by groups have no places in a text, and no path of a file."""
+    text, name = read_input(given)
+    where = None if folder is None else str(folder)
+    with without_places(given, path):
+        place = call("run", text, name, where, thread_count(threads), progress=progress)
+    result = Result(place, name)
     if isinstance(given, Mapping):
-        result.warnings = plain(result.warnings)
+        result.warnings = plain(result.warnings, path)
     return result
 
 
@@ -130,19 +128,6 @@ def with_columns(given: Input, columns: str | Sequence[str] | None) -> Input:
         message = "columns are an argument for a dictionary: here they are the key output.columns"
         raise InputError(message, code=2)
     return {**given, "output": {**given.get("output", {}), "columns": names_in(columns)}}
-
-
-def call_run(
-    text: str, name: str, folder: str | None, threads: int, progress: Progress = False
-) -> "ctypes._Pointer[CResult]":
-    """Run the text of an input."""
-    place = new_place()
-    where = None if folder is None else bytes_of(folder)
-    threads = thread_count(threads)
-    arguments = (bytes_of(text), bytes_of(name), where, threads, place)
-    result = call(library().spintop_run, *arguments, progress=progress)
-    raise_error(place)
-    return result
 
 
 def sweep(
@@ -171,13 +156,10 @@ def sweep(
     except ValueError as error:
         raise InputError(f"the arrays have different shapes: {error}", code=2) from error
     grid = grid_of(named, arrays[0].shape) if arrays and arrays[0].ndim > 1 else None
-    columns = columns_of(dict(zip(parameters, arrays, strict=True)))
-    count, place = arrays[0].size if arrays else 0, new_place()
-    asked = (bytes_of(text), *columns, count, thread_count(threads), place)
-    result = call(library().spintop_sweep, *asked, progress=progress)
+    count, threads = arrays[0].size if arrays else 0, thread_count(threads)
     with without_places(given):
-        raise_error(place)
-    return Result(result, name, grid)
+        axes = dict(zip(parameters, arrays, strict=True))
+        return Result(call("sweep", text, axes, count, threads, progress=progress), name, grid)
 
 
 def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str, np.ndarray]:
@@ -200,9 +182,7 @@ def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str
 
 def registry(topic: str = "") -> Any:
     """What `spintop list TOPIC --json` shows, as lists and dictionaries; without a topic all."""
-    place = new_place()
-    text = library().spintop_list(bytes_of(topic) if topic else None, 1, place)
-    raise_error(place)
+    text = ask("list", topic or None, 1)
     try:
         return json.loads(ctypes.string_at(text))
     finally:
@@ -275,55 +255,47 @@ def fit(
     """
     check_groups(data, "data")
     check_groups(given, "given")
-    columns, time = measurements(data)
-    if isinstance(sigma, Mapping):
-        columns |= deviations(sigma, columns, time)
-        sigma = None
-    own = {"unknown": names_in(unknown), "sigma": sigma, "profile": profile}
+    columns = measurements(data, sigma)
+    known = None if isinstance(sigma, Mapping) else sigma
+    own = {"data": "", "unknown": names_in(unknown), "sigma": known, "profile": profile}
     scene = {name.lower(): keys for name, keys in given.items()}
+    study, others = (
+        {key.lower(): value for key, value in scene.get(name, {}).items()}
+        for name in ("study", "fit")
+    )
+    if twice := [key for key in own if key in others]:
+        raise InputError(f"fit.{twice[0]} is an argument of fit", code=2)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "measured.csv"
         rows = zip(*(column.tolist() for column in columns.values()), strict=True)
         lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
         path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        own = {"study": {"kind": "fit"}, "fit": {"data": str(path), **own}}
-        for name, keys in own.items():
-            others = {key.lower(): value for key, value in scene.get(name, {}).items()}
-            if twice := [key for key in keys if key in others and (name, key) != ("study", "kind")]:
-                raise InputError(f"{name}.{twice[0]} is an argument of fit", code=2)
-            scene[name] = others | keys
-        with without_places(scene, str(path)):
-            text, name = read_input(scene)
-            result = Result(call_run(text, name, None, 0, progress), name)
-        result.warnings = plain(result.warnings, str(path))
-        return result
+        own["data"] = str(path)
+        scene |= {"study": study | {"kind": "fit"}, "fit": others | own}
+        return run_input(scene, None, 0, progress, str(path))
 
 
-def measurements(data: Mapping[str, ArrayLike]) -> tuple[dict[str, np.ndarray], str]:
-    """The columns of measurements, of one length, and which is that of their times."""
+def measurements(data: Mapping[str, ArrayLike], sigma: Any) -> dict[str, np.ndarray]:
+    """The columns of measurements, of one length, and those of deviations given by their names."""
     time = find_column(data, "t", "s")[0]
     if not time:
         raise InputError("the measurements have no times: give t, in s from the start", code=2)
     columns = {name: numbers(values, name) for name, values in data.items()}
+    shape = columns[time].shape
     for name, column in columns.items():
-        if column.ndim != 1 or column.shape != columns[time].shape:
-            shapes = f"{name} has the shape {column.shape}, but {time} {columns[time].shape}"
+        if column.ndim != 1 or column.shape != shape:
+            shapes = f"{name} has the shape {column.shape}, but {time} {shape}"
             raise InputError(shapes, code=2)
-    return columns, time
-
-
-def deviations(
-    sigma: Mapping[str, ArrayLike], columns: Mapping[str, np.ndarray], time: str
-) -> dict[str, np.ndarray]:
-    """Standard deviations by the names of columns, as columns with one per row."""
-    measured, found = [name for name in columns if name != time], {}
+    if not isinstance(sigma, Mapping):
+        return columns
+    measured = [name for name in columns if name != time]
     for name in [*sigma, *measured]:
         if name not in measured:
             raise InputError(f"sigma: {name} is not measured", code=2)
         if name not in sigma:
             raise InputError(f"sigma: that of {name} is missing", code=2)
         values = numbers(sigma[name], f"sigma of {name}")
-        if values.shape not in ((), columns[time].shape):
+        if values.shape not in ((), shape):
             raise InputError(f"sigma: {name} has the shape {values.shape}", code=2)
-        found[f"{name}_sigma"] = np.broadcast_to(values, columns[time].shape)
-    return found
+        columns[f"{name}_sigma"] = np.broadcast_to(values, shape)
+    return columns

@@ -1,10 +1,9 @@
 """One top: its motion at any times, and its quantities. And many tops, from arrays to arrays."""
 
 import ctypes
-import threading
 import warnings
 from collections.abc import Mapping, Sequence
-from functools import partial
+from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
@@ -22,18 +21,8 @@ from spintop.inputs import (
     thread_count,
     without_places,
 )
-from spintop.library import (
-    InputError,
-    InputWarning,
-    MotionError,
-    bytes_of,
-    columns_of,
-    library,
-    new_place,
-    raise_error,
-    text_of,
-)
-from spintop.results import Columns, Result
+from spintop.library import InputError, InputWarning, MotionError, ask, library, text_of
+from spintop.results import Columns, Owner, Result, Texts, described
 from spintop.runs import run, sweep
 
 ANGLES = ("t", "phi", "theta", "psi", "phi_rate", "theta_rate", "psi_rate")
@@ -49,6 +38,9 @@ MOVING = (
     *("kinetic", "potential", "energy"),
 )
 """The columns that the viewer of a motion shows."""
+Items = tuple[tuple[str, Any], ...]
+"""The keys of a group with their values."""
+Names = tuple[str, ...]
 
 
 class Motion(Columns):
@@ -57,17 +49,12 @@ class Motion(Columns):
     A column has the shape of the times; that of a single time is a number.
     """
 
-    __slots__ = ("_columns", "_t", "meanings", "units")
-
     def __init__(
-        self,
-        t: ArrayLike,
-        columns: dict[str, np.ndarray],
-        units: dict[str, str],
-        meanings: dict[str, str],
+        self, t: ArrayLike, columns: dict[str, np.ndarray], units: Texts, meanings: Texts
     ) -> None:
         """Take columns at the times `t`, s."""
-        self._t, self._columns, self.units, self.meanings = t, columns, units, meanings
+        super().__init__(columns, units, meanings)
+        self._t = t
 
     def __getattr__(self, name: str) -> np.ndarray:
         """A column by its name."""
@@ -86,47 +73,25 @@ class Motion(Columns):
         return f"<spintop.Motion of {', '.join(self)}>"
 
 
-class Handle:
+class Handle(Owner):
     """A top of the library: one input, whose method and columns are chosen."""
 
     def __init__(self, groups: Mapping[str, Group]) -> None:
         """Read an input."""
         calls = library()
-        place = new_place()
-        self.delete = calls.spintop_top_delete
-        self.top = calls.spintop_top_new(bytes_of(namelist(groups)), None, place)
         with without_places(groups):
-            raise_error(place)
-        columns = calls.spintop_top_columns(self.top)
-        count = calls.spintop_top_column_count(self.top)
-        names = [text_of(columns[i].name) for i in range(count)]
-        self.units = {name: text_of(columns[i].unit) for i, name in enumerate(names)}
-        self.meanings = {name: text_of(columns[i].what) for i, name in enumerate(names)}
-        self.warnings = plain(text_of(calls.spintop_top_warnings(self.top)))
-        self.at, self.find_events = calls.spintop_top_at, calls.spintop_top_events
-
-    def __del__(self) -> None:
-        """Delete the top."""
-        if hasattr(self, "top"):
-            self.delete(self.top)
+            super().__init__(ask("top_new", namelist(groups), None), "top_delete")
+        count = calls.spintop_top_column_count(self.place)
+        _, self.units, self.meanings = described(calls.spintop_top_columns(self.place), count)
+        self.warnings = plain(text_of(calls.spintop_top_warnings(self.place)))
 
     def motion(self, t: ArrayLike) -> Motion:
         """The motion at some times."""
         times = np.ascontiguousarray(numbers(t, "times"))
         cells = np.empty((len(self.units), *np.shape(t)))
-        place = new_place()
-        address = times.__array_interface__["data"][0]
-        if self.at(self.top, times.size, address, cells.__array_interface__["data"][0], place):
-            raise_error(place)
-        found = dict(zip(self.units, cells, strict=True))
-        return Motion(t, found, self.units, self.meanings)
-
-    def events(self) -> Result:
-        """The events in the span of the input."""
-        place = new_place()
-        found = self.find_events(self.top, place)
-        raise_error(place)
-        return Result(found)
+        given = times.__array_interface__["data"][0]  # they may be read-only
+        ask("top_at", self.place, times.size, given, (ctypes.c_double * 0).from_buffer(cells))
+        return Motion(t, dict(zip(self.units, cells, strict=True)), self.units, self.meanings)
 
 
 class Body:
@@ -179,8 +144,15 @@ class Top:
         check_groups(effects or {}, "effects")
         self.body = body
         self._start, self._effects = frozen(start), frozen(effects or {})
-        self._handles: dict[tuple[Any, ...], Handle] = {}
-        self._lock = threading.Lock()
+        given = self.input()
+
+        @lru_cache(maxsize=16)  # more methods and columns are not kept
+        def made(integration: Items, span: Items, columns: Names, events: Names) -> Handle:
+            output = {"columns": columns, "events": events or None}
+            more = {"integration": dict(integration), "span": dict(span), "output": output}
+            return Handle({**given, **more})
+
+        self._made = made
         told = self._handle({}, {"t_end": 1.0}, ANGLES).warnings
         if told:
             warnings.warn(told, InputWarning, stacklevel=2)
@@ -219,18 +191,8 @@ class Top:
         events: str | Sequence[str] = (),
     ) -> Handle:
         """The top of the library with a method, columns and events, made once."""
-        columns, events = names_in(columns), names_in(events)
-        key = (*integration.items(), None, *span.items(), None, *columns, None, *events)
-        known = self._handles.get(key)
-        if known is None:
-            output = {"columns": columns, "events": events or None}
-            groups = self.input(integration=integration, span=span, output=output)
-            known = Handle(groups)
-            with self._lock:
-                if len(self._handles) >= 16:  # more methods and columns are not kept
-                    self._handles.pop(next(iter(self._handles)))
-                self._handles[key] = known
-        return known
+        keys, until = tuple(integration.items()), tuple(span.items())
+        return self._made(keys, until, names_in(columns), names_in(events))
 
     def exact(self, t: ArrayLike, columns: str | Sequence[str] = ANGLES) -> Motion:
         """The exact solution at times `t`, s from the start, of any shape and order.
@@ -274,7 +236,8 @@ class Top:
         """
         stop = {key: keys.pop(key) for key in ("stop_at", "stop_after") if key in keys}
         span = frozen({"t_end": t_end, **stop})
-        return self._handle(frozen(keys), span, columns, events).events()
+        handle = self._handle(frozen(keys), span, columns, events)
+        return Result(ask("top_events", handle.place))
 
     def animate(self, t_end: float, samples: int = 1001, **integration: Any) -> Animation:
         """Show the motion up to `t_end` s in a notebook or a file: the viewer of a report.
@@ -330,21 +293,15 @@ def tops(
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError as error:
         raise InputError(f"the arrays have different shapes: {error}", code=2) from error
-    ready, strides = [], []
-    for array in arrays.values():
+    columns, strides = {}, []
+    for name, array in arrays.items():
         one = array.size == 1
-        full = array.reshape(()) if one else np.broadcast_to(array, shape)
-        if not one and (full.ndim != 1 or full.strides[0] < 0 or full.strides[0] % 8):
-            full = np.ascontiguousarray(full)
-        ready.append(full)
-        strides.append(0 if one else full.strides[0] // 8 if full.ndim == 1 else 1)
+        column = array if one else np.broadcast_to(array, shape).reshape(-1)
+        if not one and (column.strides[0] < 0 or column.strides[0] % 8):
+            column = column.copy()
+        columns[name] = column
+        strides.append(0 if one else column.strides[0] // 8)
     found = {name: np.empty(shape) for name in names_in(quantities)}
-    place = new_place()
-    count = int(np.prod(shape, dtype=np.int64))
-    library().spintop_tops(
-        *(count, *columns_of(dict(zip(arrays, ready, strict=True)))),
-        (ctypes.c_longlong * len(strides))(*strides),
-        *(*columns_of(found), None, thread_count(threads), place),
-    )
-    raise_error(place)
+    count, steps = int(np.prod(shape, dtype=np.int64)), (ctypes.c_longlong * len(strides))(*strides)
+    ask("tops", count, columns, steps, found, None, thread_count(threads))
     return found

@@ -6,6 +6,7 @@ import numpy as np
 
 import python_library  # noqa: F401
 import spintop
+from drawn_fits import draw
 
 FITS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 TRUTH = {"top.inertia(1)": 0.875, "top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
@@ -28,3 +29,26 @@ def test_coverage() -> None:
         true = np.array(list(TRUTH.values()))
         covered += (rows["lower"] <= true) & (true <= rows["upper"])
     assert np.abs(covered / FITS - 0.95).max() <= (1e4 / FITS) ** 0.5 * 0.01
+
+
+# Drawn measurements: their fits reach the truth, or say that they do not.
+
+DRAWN = int(os.environ.get("SPINTOP_LONG_CASES", "200"))
+
+
+def test_drawn_fits() -> None:
+    """At least 97.5 % reach the truth within 4 standard errors; intervals cover 95 +- 2 %."""
+    reached, covered = 0, []
+    for number in range(DRAWN):
+        case = draw(number)
+        result = case.fit(knows_sigma=number % 2 == 0)
+        truth = np.array(list(case.truth.values()))
+        rows = result.rows
+        away = np.abs(rows["estimate"] - truth) / rows["standard_error"]
+        near = bool(np.all(away < 4))
+        reached += near
+        assert near or not result.ok, (number, case.kind, away, result.summary)
+        if result.ok:
+            covered += ((rows["lower"] <= truth) & (truth <= rows["upper"])).tolist()
+    assert reached >= 0.975 * DRAWN
+    assert abs(np.mean(covered) - 0.95) < 0.02

@@ -16,7 +16,7 @@ from typing import ClassVar
 import numpy as np
 
 from conftest import ROOT, execute, read
-from spintop.library import features, levels_of
+from spintop.library import levels
 
 LARGEST = 15_000_000
 """Most bytes of the wheel."""
@@ -82,10 +82,6 @@ assert all(np.isfinite(column).all() for column in found.values())
 print("a million tops in", round(min(seconds), 3), "s of processor time")
 """
 """The time of a sweep over an array, the best of some."""
-
-
-def levels() -> list[str]:
-    return levels_of(features(Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")))
 
 
 @unittest.skipIf(platform.machine() != "x86_64", "the levels are those of x86-64")

@@ -11,7 +11,7 @@ import pytest
 
 from conftest import ROOT, each, merge, netcdf_is_missing, wait_until
 from slow_sweep import SLOW, Sweep
-from study_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
+from sweep_parts_test import BENCHMARK, PRECISION, STABILITY, TRAJECTORY
 
 SWEEP = SLOW.replace("count(1) = 1000", "count(1) = 20")
 STATISTICS = """

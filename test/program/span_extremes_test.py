@@ -141,3 +141,109 @@ def test_class_alone(spin, scene, method):
     alone = list(spin(sweep + output("motion_class")).rows.motion_class)
     assert alone == list(spin(sweep + output("motion_class", "phi_rate_max")).rows.motion_class)
     assert CLASSES[scene] <= set(alone)
+
+
+# Extremes of rates where what is searched is rounding: in a pole, and in a plane through it.
+#
+# The bound is on the work: `max_steps` is a small part of what a search that divides rounding
+# errors would take.
+
+BODY = "&top mass = 1  inertia = 1, 2, 3  length = {} /\n"
+WORK = 20000
+RUBBING = "&effects friction_torque = 0.1 /\n"
+
+
+def extreme(spin, scene, span, column, control=""):
+    control = f"&integration max_steps = {WORK} {control} /\n"
+    rows = spin(scene + SPANS.format(span) + control + output(column)).rows
+    assert list(rows.status) == ["ok"]
+    return rows[column][0]
+
+
+@each("effect", "", RUBBING)
+def test_start_in_a_pole(spin, effect):
+    """The precession rate near the start is that of rows, with friction and without."""
+    heavy = BODY.format(1) + effect + "&initial theta = 0  omega = 1, 0.3, 5 /\n"
+    text = heavy + "&span t_end = 3 samples = 60001 /\n" + output("t", "phi_rate")
+    known = max(spin(text, "integration.relative_tolerance=1e-12").rows.phi_rate[1:], key=abs)
+    for method in ("method = 'dop853'", "method = 'taylor' project = 'unit'", ""):
+        found = extreme(spin, heavy, "3", "phi_rate_max", method)
+        assert found / known == pytest.approx(1, abs=1e-5), method
+
+
+EARTH = "&effects earth_rate = 0.5 latitude = 0.7 /\n"
+
+
+@each("pole", 0, math.pi)
+@each("length, effect", (0, ""), (0.3, ""), (0.3, RUBBING), (0.3, EARTH))
+@each("share", 0.01, 0.1, 0.4)
+def test_short_motions_from_a_pole(spin, pole, length, effect, share):
+    """Where the precession slows down, the largest rate is the limit in the pole."""
+    body = BODY.format(length) + effect
+    body += f"&initial theta = {pole!r}  psi = 0.4  omega = 1, 2.5, -4 /\n"
+    rows = spin(f"{body}&span t_end = {share} samples = 2001 /\n" + output("t", "phi_rate")).rows
+    known = max(rows.phi_rate[2:], key=abs)
+    methods = ["method = 'dop853'", "method = 'taylor' project = 'unit'", "method = 'taylor'"]
+    for method in methods + [""] * (length == 0):
+        found = extreme(spin, body, share, "phi_rate_max", method)
+        assert found / known == pytest.approx(1, abs=2e-3), method
+
+
+@each("omega, psi", ("1.5, 0, 0", 0), ("0, 1.5, 0", 90))
+@each("method", "", "method = 'taylor'", "method = 'dop853'")
+@each("theta", 0.5, 0.5 * math.pi, math.pi)
+def test_free_rotation_through_the_poles(spin, omega, psi, method, theta):
+    """About a horizontal principal axis theta turns with omega."""
+    start = f"&initial theta = {theta!r}  psi_deg = {psi}  omega = {omega} /\n"
+    found = extreme(spin, BODY.format(0) + start, "20", "theta_rate_max", method)
+    assert found == pytest.approx(1.5, abs=1e-8)
+
+
+# What a sweep says of motions that an event ends is what it says of motions that end then.
+
+SWEEP = "&study kind = 'sweep' /\n&sweep parameter = 'initial.omega3'  values(1,:) = {} /\n"
+START = "&initial theta_deg = 30  phi_rate = 0.5 /\n"
+SYMMETRIC = "&top mass = 1  inertia = 0.875, 0.875, 0.25  length = 0.866 /\n"
+ANY = "&top mass = 1  inertia = 0.9, 0.7, 0.25  centre_of_mass = 0.05, 0, 0.5 /\n"
+STOP = "stop_at = 'turning_points'  stop_after = 3"
+
+
+@each("body", SYMMETRIC, ANY)
+@each("method", "auto", "taylor", "dop853")
+def test_growth_to_the_event(spin, body, method):
+    columns = ["t_end", "largest_singular_value", "lyapunov_exponent"]
+    if body == SYMMETRIC:
+        columns += ["inherent_error"]
+    text = f"{body}{START}&integration method = '{method}' /\n{SWEEP.format(3)}"
+    stopping = f"{text}&span t_end = 9  {STOP} /\n"
+    (stopped,) = spin(stopping + output(*columns)).rows[columns].to_numpy()
+    assert stopped[0] < 8
+    whole = spin(f"{text}&span t_end = {float(stopped[0])!r} /\n" + output(*columns)).rows
+    assert whole[columns].to_numpy()[0] == pytest.approx(stopped, rel=1e-6)
+    alone = spin(stopping + output(columns[1])).rows
+    assert alone[columns[1]][0] == stopped[1]
+
+
+def test_the_turning_point_at_the_end_counts(spin):
+    """On whichever side of the end rounding errors put it."""
+    spins = ", ".join(str(5 + 0.19 * k) for k in range(60))
+    text = f"{ANY}{START}{SWEEP.format(spins)}&span t_end = 40  {STOP} /\n"
+    text += output("nutation_period", "precession_per_nutation", "motion_class")
+    methods = ("taylor", 1e-9), ("taylor", 1e-12), ("dop853", 1e-10), ("dop853", 1e-12)
+    how = "&integration method = '{}'  relative_tolerance = {} /\n"
+    first, *others = (spin(text + how.format(*method)).rows for method in methods)
+    for other in others:
+        assert list(other.motion_class) == list(first.motion_class)
+        for name in ("nutation_period", "precession_per_nutation"):
+            np.testing.assert_allclose(other[name], first[name], rtol=1e-5, equal_nan=False)
+
+
+@each("effect", "drag_moment = 3*0.1", "torque_body = 0, 0, 5")
+@each("stop", "", STOP)
+def test_no_growth_with_effects(spin, effect, stop):
+    """The equations of perturbations are those without effects."""
+    columns = ["largest_singular_value", "lyapunov_exponent"]
+    text = f"{ANY}&effects {effect} /\n{START}&span t_end = 3  {stop} /\n{SWEEP.format(3)}"
+    row = spin(text + output(*columns)).rows.iloc[0]
+    assert np.isnan(row[columns].astype(float)).all()
+    assert "no Lyapunov exponent: it is not measured for bodies with effects" in row.notes

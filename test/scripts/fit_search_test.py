@@ -12,6 +12,7 @@ from drawn_fits import draw, draw_tumbling
 
 TOP = {"mass": 0.2, "inertia": (4e-4, 4e-4, 3e-4), "length": 0.03}
 START = {"theta": 1.0, "omega3": 80.0}
+UNKNOWN = ["initial.omega3", "initial.theta"]
 BESIDE = {"top": TOP, "initial": {"theta": 1.01, "omega3": 81.0}}
 
 
@@ -45,12 +46,12 @@ def test_a_long_motion_from_afar(off: float) -> None:
     t = np.linspace(0, 30, 3001)
     data = {"t": t, "theta": motion(t, "theta").theta + noise(t, 0.01)}
     given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 80.0 * (1 + off)}}
-    result = spintop.fit(data, ["initial.omega3", "initial.theta"], given, sigma=0.01)
+    result = spintop.fit(data, UNKNOWN, given, sigma=0.01)
     check(result, initial__omega3=80.0, initial__theta=1.0)
     assert "probability" in result.summary
     assert "windows" in result.summary
     without = {**given, "fit": {"windows": False, "searches": 1}}
-    alone = spintop.fit(data, ["initial.omega3", "initial.theta"], without, sigma=0.01)
+    alone = spintop.fit(data, UNKNOWN, without, sigma=0.01)
     if abs(off) > 0.005:
         assert not alone.ok
         assert "poor_fit" in alone.summary or "not_converged" in alone.summary
@@ -111,14 +112,13 @@ def test_wrapped_angles_and_missing_readings() -> None:
     theta = found.theta + noise(t, 0.01)
     theta[::7] = np.nan
     data = {"t": t, "psi": np.mod(found.psi + noise(t, 0.01, 1), 2 * np.pi), "theta": theta}
-    unknown = ["initial.omega3", "initial.theta"]
-    result = spintop.fit(data, unknown, {**BESIDE, "fit": {"wrapped": ["psi"]}})
+    result = spintop.fit(data, UNKNOWN, {**BESIDE, "fit": {"wrapped": ["psi"]}})
     check(result, initial__omega3=80.0, initial__theta=1.0)
     residuals = result.tables["residuals"]
     assert np.isnan(residuals["theta_residual"][::7]).all()
     assert np.nanmax(np.abs(residuals["psi_residual"])) < 0.1
     with pytest.raises(spintop.InputError, match=r"fit\.wrapped = 'psi'"):
-        spintop.fit(data, unknown, BESIDE)
+        spintop.fit(data, UNKNOWN, BESIDE)
 
 
 @each(
@@ -133,21 +133,20 @@ def test_wrapped_columns_of_any_unit_and_scale(column: str, scale: float, offset
     """Counts of an encoder give the fit of radians: they repeat after a turn of the scale."""
     t = np.linspace(0, 2, 501)
     psi = motion(t, "psi").psi + noise(t, 0.002)
-    unknown = ["initial.omega3", "initial.theta"]
     given = {"top": TOP, "initial": {"theta": 1.0, "omega3": 80.1}, "fit": {"wrapped": ["psi"]}}
-    radians = spintop.fit({"t": t, "psi": np.mod(psi, 2 * np.pi)}, unknown, given)
+    radians = spintop.fit({"t": t, "psi": np.mod(psi, 2 * np.pi)}, UNKNOWN, given)
     check(radians, initial__omega3=80.0)
     turn = {"psi": 2 * np.pi, "psi_deg": 360.0, "psi_turn": 1.0}[column]
     counts = {"t": t, column: offset + scale * turn * np.mod(psi / (2 * np.pi), 1)}
     given["sensor"] = [{"column": column, "scale": scale, "offset": offset}]
-    result = spintop.fit(counts, unknown, given)
+    result = spintop.fit(counts, UNKNOWN, given)
     check(result, initial__omega3=80.0)
     for name in ("estimate", "standard_error"):
         np.testing.assert_allclose(result.rows[name], radians.rows[name], rtol=1e-6)
     with pytest.raises(spintop.InputError, match=rf"turns of {column} are not known"):
-        spintop.fit(counts, [*unknown, f"scale.{column}"], given)
+        spintop.fit(counts, [*UNKNOWN, f"scale.{column}"], given)
     with pytest.raises(spintop.InputError, match=rf"{column} jumps by almost a turn"):
-        spintop.fit(counts, unknown, {**given, "fit": {}})
+        spintop.fit(counts, UNKNOWN, {**given, "fit": {}})
 
 
 def test_counts_of_an_inclination() -> None:
@@ -155,7 +154,7 @@ def test_counts_of_an_inclination() -> None:
     t = np.linspace(0, 2, 201)
     data = {"t": t, "theta": 100 + 650 * (motion(t, "theta").theta + noise(t, 0.002))}
     given = {**BESIDE, "sensor": [{"column": "theta", "scale": 650.0, "offset": 100.0}]}
-    check(spintop.fit(data, ["initial.omega3", "initial.theta"], given), initial__omega3=80.0)
+    check(spintop.fit(data, UNKNOWN, given), initial__omega3=80.0)
     data["theta"] = np.degrees(data["theta"])
     with pytest.raises(spintop.InputError, match=r"outside of \[0, pi\]"):
         spintop.fit(data, ["initial.omega3"], given)
@@ -229,12 +228,11 @@ def test_sigma_per_row_and_column() -> None:
     sigma = np.where(t < 1, 0.002, 0.05)
     theta = found.theta + noise(t, 1.0, 1) * sigma
     data = {"t": t, "psi": found.psi + noise(t, 0.02), "theta": theta}
-    unknown = ["initial.omega3", "initial.theta"]
-    result = spintop.fit(data, unknown, BESIDE, sigma={"psi": 0.02, "theta": sigma})
+    result = spintop.fit(data, UNKNOWN, BESIDE, sigma={"psi": 0.02, "theta": sigma})
     check(result, initial__omega3=80.0, initial__theta=1.0)
     for wrong in ({"psi": 0.02}, {"psi": 0.02, "theta": 1.0, "phi": 1.0}):
         with pytest.raises(spintop.InputError, match="sigma"):
-            spintop.fit(data, unknown, BESIDE, sigma=wrong)
+            spintop.fit(data, UNKNOWN, BESIDE, sigma=wrong)
 
 
 def test_columns_of_other_units() -> None:
@@ -242,11 +240,10 @@ def test_columns_of_other_units() -> None:
     t = np.linspace(0, 3, 301)
     found = motion(t, "theta", "omega1")
     data = {"t": t, "theta": found.theta + noise(t, 0.001)}
-    unknown = ["initial.omega3", "initial.theta"]
-    alone = estimates(spintop.fit(data, unknown, BESIDE))
+    alone = estimates(spintop.fit(data, UNKNOWN, BESIDE))
     both = {**data, "omega1": found.omega1 + noise(t, 1.0, 1)}
-    both = estimates(spintop.fit(both, unknown, BESIDE))
-    for name in unknown:
+    both = estimates(spintop.fit(both, UNKNOWN, BESIDE))
+    for name in UNKNOWN:
         assert both[name][1] < 1.05 * alone[name][1]
 
 
@@ -256,8 +253,7 @@ def test_one_wrong_row(loss: str) -> None:
     t = np.linspace(0, 20, 10_000)
     theta = motion(t, "theta").theta + noise(t, 0.003)
     theta[1234] += 1e3
-    unknown = ["initial.omega3", "initial.theta"]
-    result = spintop.fit({"t": t, "theta": theta}, unknown, {**BESIDE, "fit": {"loss": loss}})
+    result = spintop.fit({"t": t, "theta": theta}, UNKNOWN, {**BESIDE, "fit": {"loss": loss}})
     if loss == "squares":
         assert not result.ok
         assert "poor_fit" in result.summary
@@ -271,7 +267,7 @@ def test_a_motion_that_does_not_explain() -> None:
     t = np.linspace(0, 10, 1001)
     body = spintop.Body(**TOP, damping=(0, 0, 2e-6))
     theta = spintop.Top(body, **START).integrate(t, "theta").theta + noise(t, 0.002)
-    result = spintop.fit({"t": t, "theta": theta}, ["initial.omega3", "initial.theta"], BESIDE)
+    result = spintop.fit({"t": t, "theta": theta}, UNKNOWN, BESIDE)
     assert not result.ok
     assert "poor_fit: the residuals of theta are no noise" in result.summary
 

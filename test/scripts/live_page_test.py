@@ -4,6 +4,8 @@ import base64
 import math
 from collections.abc import Callable
 
+from selenium.webdriver.common.keys import Keys
+
 from browser_case import DESKTOP, SOFTWARE_WEBGL, LiveCase, wait_for
 from conftest import EXE, execute
 from spintop_figures.tables.table import read_table
@@ -252,8 +254,6 @@ class LiveTest(LiveCase):
             self.assertAlmostEqual(value, right, delta=1e-6)
 
     def test_keys(self) -> None:
-        from selenium.webdriver.common.keys import Keys
-
         stage = self.part(self.section, "stage")
         now, span = "return liveTop.clock.time", self.run_script("return liveTop.track.span")
         stage.send_keys(Keys.END)
@@ -289,10 +289,8 @@ class LiveTest(LiveCase):
             with self.subTest(width=width, scheme=scheme):
                 self.set_screen(width, height, prefers_color_scheme=scheme)
                 self.open(self.page)
-                self.run_script(
-                    "document.querySelectorAll('details').forEach(d => { d.open = true });"
-                    "liveTop.clock.play();"
-                )
+                self.open_details()
+                self.run_script("liveTop.clock.play()")
                 self.assertEqual(self.violations(), [])
                 widths = "return [document.documentElement.scrollWidth, innerWidth]"
                 self.assertEqual(*self.run_script(widths))
@@ -336,8 +334,6 @@ class ShadedTest(LiveCase):
 
     def test_keys_of_the_view(self) -> None:
         """The view is turned and zoomed without a mouse."""
-        from selenium.webdriver.common.keys import Keys
-
         stage = self.part(self.section, "stage")
         for keys in ("+", Keys.SHIFT + Keys.ARROW_LEFT, "0"):
             with self.subTest(keys=keys), self.changing(self.section):
@@ -530,8 +526,6 @@ class WalkTest(LiveCase):
 
     def find_where_it_sleeps(self) -> None:
         """A top that is too slow falls; its spin is set to the threshold, and raised: it sleeps."""
-        from selenium.webdriver.common.keys import Keys
-
         self.choose_by_title("Sleeping top, too slow")
         wait_for(lambda: "it falls" in self.read("meaning"), "a top that falls")
         self.assertIn("the threshold 21.81 rad/s: upright it falls", self.read("sleep"))
@@ -552,8 +546,6 @@ class WalkTest(LiveCase):
 
     def see_a_cusp_become_a_loop(self) -> None:
         """Released at rest, the axis makes cusps; less precession makes loops, more makes waves."""
-        from selenium.webdriver.common.keys import Keys
-
         self.choose_by_title("Cusps")
         wait_for(lambda: self.read("class") == "Cusps", "cusps")
         self.assertEqual(self.control("phi_rate", "text").get_property("value"), "0")

@@ -15,7 +15,7 @@ import numpy as np
 
 import python_library  # noqa: F401
 import spintop
-from spintop.runs import call_run
+from spintop.library import ask
 
 INERTIA = (0.875, 0.875, 0.25)
 BODY = spintop.Body(mass=1, inertia=INERTIA, length=0.8)
@@ -203,9 +203,9 @@ class PythonArgumentsTest(unittest.TestCase):
         text += " &span t_end = 1 samples = 2 /"
         study = "&study kind = 'sweep' / "
         calls = {
-            "name": lambda n: call_run("&nothing /", "x" * n, None, 1),
-            "name of tabs": lambda n: call_run("&nothing /", "\t" * n, None, 1),
-            "folder": lambda n: call_run(text, "x", "/nowhere/" + "x" * n, 1),
+            "name": lambda n: ask("run", "&nothing /", "x" * n, None, 1),
+            "name of tabs": lambda n: ask("run", "&nothing /", "\t" * n, None, 1),
+            "folder": lambda n: ask("run", text, "x", "/nowhere/" + "x" * n, 1),
             "comment": lambda n: spintop.run(f"{text} ! {'x' * n}"),
             "lines": lambda n: spintop.run(text + "\n! x" * n),
             "title": lambda n: spintop.run(f"&study title = '{'x' * n}' / {text}"),

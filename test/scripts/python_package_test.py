@@ -3,7 +3,9 @@
 import itertools
 import math
 import os
+import re
 import resource
+import subprocess
 import sys
 import tempfile
 import threading
@@ -20,13 +22,19 @@ import spintop
 from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
-from spintop.library import NEEDED, chosen_folder, features, levels_of
+from spintop.library import LINKER, chosen_folder, levels
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
 SKEW = spintop.Body(
     mass=1, inertia=(0.9, 0.7, 0.25), centre_of_mass=(0.05, 0, 0.8), damping=(0.01,) * 3
 )
+NEEDED = {
+    "v2": "cx16 lahf_lm popcnt sse4_1 sse4_2 ssse3",
+    "v3": "abm avx avx2 bmi1 bmi2 f16c fma movbe xsave",
+    "v4": "avx512bw avx512cd avx512dq avx512f avx512vl",
+}
+"""What a level of x86-64 has in addition to the one before it, in the words of /proc/cpuinfo."""
 
 
 def by_program(groups: dict, name: str = "rows") -> dict[str, list[str]]:
@@ -269,18 +277,22 @@ class PythonPackageTest(unittest.TestCase):
             done = execute(*words, cwd=folder, environment={"PYTHONPATH": folder})
             assert done.stdout.startswith(f"{spintop.version()} {folder}")
 
-    def test_levels_of(self) -> None:
-        words = [set(needed.split()) for needed in NEEDED.values()]
-        assert levels_of(set()) == []
-        assert levels_of(words[0] | words[1]) == ["v2", "v3"]
-        assert levels_of(words[0] | words[2]) == ["v2"]
-        assert levels_of(set.union(*words) | {"sse"}) == ["v2", "v3", "v4"]
-
-    def test_features(self) -> None:
-        """Those of the first processor; none where the system does not list any."""
-        text = "model name\t: flags\nflags\t\t: fpu sse\n\nprocessor: 1\nflags\t: fpu\n"
-        assert features(text) == {"fpu", "sse"}
-        assert features("Features\t: fp asimd\n") == set()
+    def test_levels(self) -> None:
+        """Those that the dynamic linker names; each has its features in /proc/cpuinfo, too."""
+        if not Path(LINKER).exists():
+            self.skipTest("no x86-64 with glibc")
+        text = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
+        words = set(re.search(r"^flags\s*: (.*)$", text, re.MULTILINE)[1].split())
+        has = {level: words.issuperset(needed.split()) for level, needed in NEEDED.items()}
+        assert levels() == list(itertools.takewhile(has.get, NEEDED))
+        for said, expected in (
+            ("  x86-64-v4\n  x86-64-v3 (supported, searched)\n  x86-64-v2 (supported)", "v2 v3"),
+            ("  x86-64-v4\n  x86-64-v3\n  x86-64-v2\n  x86_64 (supported, searched)", ""),
+            ("", ""),
+        ):
+            done = subprocess.CompletedProcess((), 0, stdout=said)
+            with mock.patch("subprocess.run", return_value=done):
+                assert levels() == expected.split()
 
     def test_chosen_folder(self) -> None:
         """The highest level, or that of SPINTOP_LEVEL; a package without levels is one folder."""
@@ -290,7 +302,7 @@ class PythonPackageTest(unittest.TestCase):
                 assert chosen_folder(package) == package
             for level in NEEDED:
                 (package / level).mkdir()
-            with mock.patch("spintop.library.levels_of", return_value=["v2", "v3"]):
+            with mock.patch("spintop.library.levels", return_value=["v2", "v3"]):
                 for wanted, level in (("", "v3"), ("v2", "v2"), ("v3", "v3")):
                     with mock.patch.dict(os.environ, {"SPINTOP_LEVEL": wanted}):
                         assert chosen_folder(package) == package / level
@@ -301,7 +313,7 @@ class PythonPackageTest(unittest.TestCase):
                     ):
                         chosen_folder(package)
             with (
-                mock.patch("spintop.library.levels_of", return_value=[]),
+                mock.patch("spintop.library.levels", return_value=[]),
                 self.assertRaisesRegex(ImportError, "older than x86-64-v2"),
             ):
                 chosen_folder(package)

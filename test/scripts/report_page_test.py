@@ -5,6 +5,10 @@ import json
 import math
 from pathlib import Path
 
+from selenium.webdriver import ActionChains
+from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
+from selenium.webdriver.common.keys import Keys
+
 from browser_case import DESKTOP, HOSTILE, SOFTWARE_WEBGL, BrowserCase, wait_for
 from conftest import EXE, ROOT, execute
 from reporting.packages import bundle
@@ -128,9 +132,7 @@ class ReportPageTest(BrowserCase):
             with self.subTest(width=width, scheme=scheme):
                 self.set_screen(width, height, prefers_color_scheme=scheme)
                 self.open(self.page)
-                self.run_script(
-                    "document.querySelectorAll('details').forEach(d => { d.open = true })"
-                )
+                self.open_details()
                 self.top()
                 if scheme != "light":
                     self.run_script(THIN)
@@ -168,8 +170,8 @@ class ReportPageTest(BrowserCase):
         page, _ = make_page("proved", *read_study(folder))
         write_page(page, folder / "report.html")
         self.open(folder / "report.html")
+        self.open_details()
         shown = self.run_script(
-            "document.querySelectorAll('details').forEach(d => { d.open = true });"
             "const look = getComputedStyle;"
             "return [...document.querySelectorAll('td .proved')].map((b) => [b.textContent,"
             " b.parentElement.textContent, b.title, look(b).fontWeight,"
@@ -299,8 +301,6 @@ class TopTest(BrowserCase):
         self.assertAlmostEqual(math.cos(self.numbers(section)[2]), cosine, places=13)
 
     def test_keys(self) -> None:
-        from selenium.webdriver.common.keys import Keys
-
         section, rows = self.top(), rows_of(self.folder / "slow_top.csv")
         self.press(section, Keys.ARROW_RIGHT, Keys.ARROW_RIGHT, Keys.ARROW_LEFT)
         self.assertEqual(self.numbers(section), rows[1])
@@ -336,8 +336,6 @@ class TopTest(BrowserCase):
 
     def test_focus_is_seen(self) -> None:
         """The focus has an outline, and Tab reaches all controls."""
-        from selenium.webdriver.common.keys import Keys
-
         section = self.top()
         self.part(section, "stage").send_keys("")
         reached = []
@@ -351,9 +349,6 @@ class TopTest(BrowserCase):
 
     def test_mouse(self) -> None:
         """Dragging turns the top, the wheel takes one nearer, the chart goes to a time."""
-        from selenium.webdriver import ActionChains
-        from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-
         section = self.top()
         stage = self.part(section, "stage")
         with self.changing(section):
@@ -369,9 +364,6 @@ class TopTest(BrowserCase):
 
     def test_wheel_scrolls_the_page_at_first(self) -> None:
         """One does not get caught in a drawing on the way down."""
-        from selenium.webdriver import ActionChains
-        from selenium.webdriver.common.actions.wheel_input import ScrollOrigin
-
         stage = self.part(self.top(), "stage")
         scrolled = self.run_script("return scrollY")
         origin = ScrollOrigin.from_element(stage)
@@ -383,11 +375,9 @@ class TopTest(BrowserCase):
         self.set_screen(390, 844, touch=True)
         self.open(self.page)
         section = self.top()
-        box = self.run_script(
-            "return arguments[0].getBoundingClientRect().toJSON()", self.part(section, "stage")
-        )
-        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         stage = self.part(section, "stage")
+        box = self.box(stage)
+        x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
         before = self.picture(section)
         self.touch([[(x, y)], [(x + 40, y)], [(x + 80, y + 10)]])
         self.assertNotEqual(stage.get_attribute("data-held"), "yes")
@@ -402,9 +392,7 @@ class TopTest(BrowserCase):
         with self.changing(section):
             apart = [[(x - d, y), (x + d, y)] for d in (20, 50, 80)]
             self.touch(apart)
-        box = self.run_script(
-            "return arguments[0].getBoundingClientRect().toJSON()", self.part(section, "play")
-        )
+        box = self.box(self.part(section, "play"))
         self.touch([[(box["x"] + 20, box["y"] + 20)]])
         wait_for(lambda: self.numbers(section)[0] > 0, "time to pass")
         self.assertEqual(stage.get_attribute("data-held"), "no")
@@ -509,8 +497,8 @@ class TopTest(BrowserCase):
         self.tell("Emulation.setEmulatedMedia", media="print")
         self.assertTrue(self.parts(section, ".still")[0].is_displayed())
         self.assertFalse(self.part(section, "play").is_displayed())
+        self.open_details()
         cut = (
-            "document.querySelectorAll('details').forEach((d) => { d.open = true });"
             "return [...document.querySelectorAll('.scroll, pre')].filter((s) =>"
             "s.scrollHeight > s.clientHeight + 1 || s.scrollWidth > s.clientWidth + 1)"
             ".map((s) => s.textContent.trim().slice(0, 80))"

@@ -1,22 +1,16 @@
-!> Runs of a stepper without an observer, step by step, and what the tests measure on them.
+!> Bodies and starts that several suites use, runs of a stepper without an observer, step by step, and what the tests measure
+!> on them.
 module runs
-    use spintop_kinds, only: dp
-    use spintop_body, only: body_t
-    use spintop_events, only: event_search_t
-    use spintop_formulation, only: formulation_info_t, formulation_t, max_states, structure_none
-    use spintop_formulations, only: create_formulation, formulation_infos
-    use spintop_integration, only: integrate, outcome_t
-    use spintop_methods, only: create_stepper
-    use spintop_motion, only: motion_t, motion_from_angles, motion_from_quaternion
-    use spintop_quantities, only: kinetic_energy, potential_energy
-    use spintop_status, only: status_ok
-    use spintop_stepper, only: controls_t, counts_t, stepper_t
-    use recorder, only: recorder_t
+    use tested
+    use observers, only: recorder_t
     implicit none
     private
     public :: controls_at, make_stepper, observe_motion, set_out, unit_body, run_t, propagate, propagate_from, reference_state
     public :: smooth_body, smooth_start, prepare_smooth, prepare_state, start_from, exact_start, advance_to
-    public :: observed_order, flow, formulations_for, total_energy
+    public :: observed_order, flow, formulations_for, total_energy, slow_top, slow_start, paper_wheel, upright_theta
+
+    !> Inclination at which both examples are released, rad.
+    real(dp), parameter :: upright_theta = pi / 16
 
     !> How a run ended.
     type :: run_t
@@ -29,30 +23,62 @@ module runs
 
 contains
 
+    !> Body of Example 1; `length` is from the pivot to the centre of mass (default sqrt(3)/2 m).
+    pure type(body_t) function slow_top(length) result(body)
+        real(dp), intent(in), optional :: length
+        body%mass = 1
+        body%inertia = [0.875_dp, 0.875_dp, 0.25_dp]
+        body%centre_of_mass = [0.0_dp, 0.0_dp, sqrt(0.75_dp)]
+        if (present(length)) body%centre_of_mass(3) = length
+        body%gravity = 9.81_dp
+    end function slow_top
+
+    !> Start of Example 1: released at pi/16 with a spin rate of 1 rad/s.
+    pure type(motion_t) function slow_start() result(start)
+        start = motion_from_angles(0.0_dp, [0.0_dp, upright_theta, 0.0_dp], [0.0_dp, 0.0_dp, 1.0_dp])
+    end function slow_start
+
+    !> Body of Example 2 with the moments of inertia that the author used: those about the centre.
+    pure type(body_t) function paper_wheel() result(body)
+        real(dp), parameter :: radius = 0.1_dp, thickness = 0.01_dp, density = 7800
+        body%mass = density * pi * radius**2 * thickness
+        body%inertia(1:2) = body%mass * (3 * radius**2 + thickness**2) / 12
+        body%inertia(3) = body%mass * radius**2 / 2
+        body%centre_of_mass = [0.0_dp, 0.0_dp, 1.0_dp]
+        body%gravity = 9.81_dp
+    end function paper_wheel
+
     !> Follows any body from its start by a method, at a tolerance (0: its own) or with so many steps, under a formulation
-    !> (`rigid_body`), to the last of some times, and keeps what is seen at these; returns how the run ended.
-    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search, outcome) &
-        result(status)
+    !> (`rigid_body`), to a time (the last of some times), and keeps what is seen at these; returns how the run ended.
+    integer function observe_motion(method, body, start, times, tolerance, seen, form, steps, project, search, outcome, &
+                                    t_end, absolute, max_steps, fixed_point, limit) result(status)
         character(*), intent(in) :: method
         type(body_t), intent(in) :: body
         type(motion_t), intent(in) :: start
         real(dp), intent(in) :: times(:), tolerance
         type(recorder_t), intent(out) :: seen
         character(*), intent(in), optional :: form
-        integer, intent(in), optional :: steps, project
+        integer, intent(in), optional :: steps, project, max_steps, limit !! `limit` ends the run after so many motions
         class(event_search_t), intent(inout), optional :: search
         type(outcome_t), intent(out), optional :: outcome
+        real(dp), intent(in), optional :: t_end, absolute
+        logical, intent(in), optional :: fixed_point
         class(formulation_t), allocatable :: formulation
         class(stepper_t), allocatable :: stepper
         type(outcome_t) :: own_outcome
+        real(dp) :: end
+        end = maxval(times)
+        if (present(t_end)) end = t_end
+        if (present(limit)) seen%limit = limit
         if (present(form)) then
             call create_formulation(form, formulation, body=body)
         else
             call create_formulation('rigid_body', formulation, body=body)
         end if
-        call make_stepper(method, stepper, steps, project=project)
-        if (tolerance > 0) call make_stepper(method, stepper, steps, tolerance, project=project)
-        call integrate(formulation, stepper, body, start, maxval(times), times, seen, own_outcome, search)
+        call make_stepper(method, stepper, steps, absolute=absolute, max_steps=max_steps, project=project, fixed_point=fixed_point)
+        if (tolerance > 0) stepper%controls%relative_tolerance = tolerance
+        if (tolerance > 0 .and. .not. present(absolute)) stepper%controls%absolute_tolerance = tolerance
+        call integrate(formulation, stepper, body, start, end, times, seen, own_outcome, search)
         status = own_outcome%status
         if (present(outcome)) outcome = own_outcome
     end function observe_motion

@@ -22,7 +22,6 @@ module scenes_and_studies
     use spintop_trajectory_study
     use prepared_jobs
     use scene_reports
-    use study_tables
     implicit none
     public
 end module scenes_and_studies

@@ -1,15 +1,10 @@
-!> Reference motions of symmetric tops: body, start and rows of test/reference/NAME.csv.
+!> Reads the tables in test/reference, and reference motions of symmetric tops: body, start and rows of NAME.csv.
 module symmetric_cases
-    use spintop_kinds, only: dp
-    use spintop_body, only: body_t
-    use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
-    use spintop_motion, only: motion_t, motion_from_angles
-    use spintop_nutation, only: find_nutation, nutation_t
-    use spintop_status, only: is_ok
-    use reference_rows, only: known_rows_t, read_reference
+    use tested
+    use spintop_loaded_table, only: read_table, table_t
     implicit none
     private
-    public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, nutation_of, random_top
+    public :: symmetric_case_t, read_symmetric_case, case_names, exact_of, nutation_of, random_top, known_rows_t, read_reference
 
     !> All the reference cases: to 30 digits, by elliptic functions and by Taylor series.
     character(*), parameter :: case_names(*) = [character(24) :: 'a1_slow_top', &
@@ -20,6 +15,11 @@ module symmetric_cases
         'd_fast_corrected_lam100', 'e_near_regular', 'e_regular_fast_60deg', &
         'e_regular_slow_60deg', 'f_cusp', 'f_loop', 'g_plane_libration', 'g_spherical', &
         'h_slow_top_long', 'i_oblate', 'i_rod', 'j_regular_fast_120deg']
+
+    !> A table of numbers: values(row, column).
+    type, extends(table_t) :: known_rows_t
+        real(dp), allocatable :: values(:, :)
+    end type known_rows_t
 
     !> A reference motion. Quantities that a case does not have are huge.
     type :: symmetric_case_t
@@ -33,6 +33,20 @@ module symmetric_cases
     end type symmetric_case_t
 
 contains
+
+    !> Reads test/reference/NAME.csv; the tests run in the root of the checkout.
+    subroutine read_reference(name, table)
+        character(*), intent(in) :: name
+        type(known_rows_t), intent(out) :: table
+        type(error_t), allocatable :: error
+        integer :: k
+        call read_table('test/reference/' // name // '.csv', table%table_t, error)
+        if (allocated(error)) error stop 'symmetric_cases: no such table'
+        allocate (table%values(table%rows, size(table%names)))
+        do k = 1, size(table%names)
+            table%values(:, k) = table%column(table%names(k)%text)
+        end do
+    end subroutine read_reference
 
     !> Reads a case, whose numbers stand in the head of its table.
     subroutine read_symmetric_case(name, known)

@@ -1,7 +1,7 @@
 !> Every way to follow a motion that the registries know of: methods under formulations, with steps by tolerance or of
 !> fixed size; and runs of a body by one of them, in any units.
 module ways
-    use drawn_tops, only: body_in_units, start_in_units, units_t
+    use drawn_bodies, only: body_in_units, start_in_units, units_t
     use mechanics
     implicit none
     private

@@ -1,15 +1,23 @@
-!> A search that keeps every event it meets, and a path of a motion made up for a test.
-module event_log
-    use spintop_attitude, only: quaternion_from_angles, vertical_from_quaternion
-    use spintop_events, only: event_search_t, path_t
-    use spintop_exact_motion, only: exact_motion_t
-    use spintop_kinds, only: dp
-    use spintop_motion, only: motion_t
-    use spintop_quantities, only: axis_height_rate
+!> An observer of an integration that keeps every motion it is shown, a search that keeps every event it meets, and paths of a
+!> motion.
+module observers
+    use tested
     implicit none
     private
-    public :: event_log_t, closed_path_t, made_up_path_t
+    public :: recorder_t, event_log_t, closed_path_t, made_up_path_t
     public :: of_turning, of_phi, of_theta, of_psi, of_omega1, of_gamma1
+
+    !> The motions seen are `motions(:count)`.
+    type, extends(observer_t) :: recorder_t
+        type(motion_t), allocatable :: motions(:)
+        integer :: count = 0
+        !> Ends the run after so many motions.
+        integer :: limit = huge(1)
+    contains
+        procedure :: observe
+        procedure :: last
+        procedure :: times
+    end type recorder_t
 
     !> The quantities of the events.
     integer, parameter :: of_turning = 1, of_phi = 2, of_theta = 3, of_psi = 4, of_omega1 = 5, of_gamma1 = 6
@@ -45,6 +53,37 @@ module event_log
     end type made_up_path_t
 
 contains
+
+    subroutine observe(self, formulation, t, y, near)
+        class(recorder_t), intent(inout) :: self
+        class(formulation_t), intent(in) :: formulation
+        real(dp), intent(in) :: t, y(max_states), near(3)
+        type(motion_t), allocatable :: larger(:)
+
+        if (.not. allocated(self%motions)) allocate (self%motions(64))
+        if (self%count == size(self%motions)) then
+            allocate (larger(2 * self%count))
+            larger(:self%count) = self%motions
+            call move_alloc(larger, self%motions)
+        end if
+        self%count = self%count + 1
+        self%motions(self%count) = formulation%motion(t, y, near)
+        self%has_enough = self%count >= self%limit
+    end subroutine observe
+
+    !> The motion seen last.
+    type(motion_t) function last(self)
+        class(recorder_t), intent(in) :: self
+        last = self%motions(self%count)
+    end function last
+
+    !> The times at which the motion was seen.
+    function times(self)
+        class(recorder_t), intent(in) :: self
+        real(dp), allocatable :: times(:)
+        allocate (times(0))
+        if (self%count > 0) times = self%motions(:self%count)%t
+    end function times
 
     subroutine quantities(self, motion, values)
         class(event_log_t), intent(inout) :: self
@@ -94,4 +133,4 @@ contains
         motion%omega = [tan(t), 0.0_dp, 1.0_dp]
     end subroutine made_up_at
 
-end module event_log
+end module observers

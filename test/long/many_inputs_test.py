@@ -2,7 +2,7 @@
 
 import os
 
-from input_fuzzer import check_seeds
+from fuzz_test import check_seeds
 
 INPUTS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 FIRST = int(os.environ.get("SPINTOP_FIRST_SEED", "1000"))

@@ -227,7 +227,7 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t, values(size(writer%chosen))
-        logical :: are_angles
+        logical :: are_angles, has_rows
         integer :: i, rows
 
         if (allocated(writer%path)) then
@@ -240,8 +240,8 @@ contains
         t_known = t_end
         if (present(recorder)) then
             ! No end is sought of a motion that has no first row: where it overflows the search would take all of its work.
-            if (allocated(writer%asked) .or. writer%columns%is_defined(writer%columns%row(path%exact%at(0.0_dp)))) &
-                call recorder%search_exactly(path, case, t_end, outcome%status)
+            has_rows = allocated(writer%asked) .or. writer%columns%is_defined(writer%columns%row(path%exact%at(0.0_dp)))
+            if (has_rows) call recorder%search_exactly(path, case, t_end, outcome%status)
             t_known = recorder%t
         end if
         ! The rows have a budget of their own.

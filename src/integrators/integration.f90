@@ -110,8 +110,8 @@ module spintop_integration
         class(event_search_t), pointer :: search => null()
         type(step_path_t) :: path
         real(dp), pointer :: samples(:) => null()
-        !> Index of the first sample that was not shown.
-        integer :: next = 1
+        !> Index of the first sample that was not shown, and the number of samples.
+        integer :: next = 1, last = 0
         !> Time of the last motion that was shown, and from which on a step is one to look at, s: that of the next sample, or
         !> any if the angles are followed, or an observer or a search for events sees each step.
         real(dp) :: shown = -1, due = -huge(1.0_dp)
@@ -248,7 +248,7 @@ contains
         end associate
         if (.not. ends) return
         ! The samples before the end of the run, and the end.
-        do while (self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+        do while (self%next <= self%last .and. .not. self%observer%has_enough)
             if (self%samples(self%next) >= self%search%t) exit
             if (self%stepper%controls%steps == 0) call observe_within(self, self%samples(self%next))
             self%next = self%next + 1
@@ -279,7 +279,7 @@ contains
         real(dp), intent(in) :: t !! time, s
         self%follower%turns%error = self%error_of_step * real(self%stepper%counts%steps, dp)
         associate (samples => self%samples, next => self%next, stepper => self%stepper, steps => self%stepper%controls%steps)
-            do while (next <= size(self%samples) .and. .not. self%observer%has_enough)
+            do while (next <= self%last .and. .not. self%observer%has_enough)
                 if (samples(next) > t + self%slack) exit
                 if (abs(samples(next) - t) <= self%slack) then
                     call walk_to(self%follower, stepper, stepper%t, stepper%y)
@@ -295,7 +295,7 @@ contains
         self%due = -huge(self%due)
         if (self%looks_at_steps) return
         self%due = huge(self%due)
-        if (self%next <= size(self%samples)) self%due = self%samples(self%next) - self%slack
+        if (self%next <= self%last) self%due = self%samples(self%next) - self%slack
     end subroutine observe_until
 
     !> Passes the motion at a time within the last step to the observer.
@@ -337,7 +337,7 @@ contains
                 y = stepper%y
                 call self%method%formulation%depart(y, h, departed)
             end if
-            do while (steps == 0 .and. self%next <= size(self%samples) .and. .not. self%observer%has_enough)
+            do while (steps == 0 .and. self%next <= self%last .and. .not. self%observer%has_enough)
                 if (self%samples(self%next) >= h) exit
                 time = self%samples(self%next)
                 y_then = stepper%y
@@ -422,6 +422,7 @@ contains
         run%observer => observer
         if (present(search)) run%search => search
         run%samples => samples
+        run%last = size(samples)
         call begin_run(run, body, start, status)
         do while (is_ok(status) .and. run%stepper%t < t_end .and. .not. observer%has_enough)
             if (run%stepper%is_spent() .or. is_stopped(run%stepper%counts%steps)) then

@@ -285,6 +285,13 @@ class MotionFiguresTest(TableCase):
         assert f"{row.estimate:.4f} rad/s" in words
         assert f"95 %: {row.lower:.4f} to {row.upper:.4f}" in words
 
+    def test_units(self) -> None:
+        """Powers of units are raised, in headings too."""
+        self.compute("mounted_sensor")
+        table = read_table(self.folder / "mounted_sensor.residuals.csv")
+        assert "m/s²" in draw_fit(table).axes[-2].get_title("right")
+        self.assert_good_look(table, "fit")
+
     def test_alone(self) -> None:
         """Without the table of the parameters there are no values, and the rest is drawn."""
         self.compute("fit")

@@ -214,11 +214,11 @@ def tell_bodies(rows: pd.DataFrame) -> str:
     programs = [OWN, *(name for name in rows["program"].unique() if name != OWN)]
     for t_end, which, error in TARGETS:
         good = rows[(rows["problem"] == bodies_to(t_end)) & (rows[which] <= error)]
-        rates = good.groupby("program")["rate"].max().reindex(programs, fill_value=0.0)
-        best = rates.drop(OWN).max()
+        rates = good.groupby("program")["rate"].max().reindex(programs)
         lines.append([
-            f"to {t_end:g} s, {WORDS[which]} below {error:.0e} rad", *map(as_rate, rates),
-            f"{rates[OWN] / best:.2f}" if best > 0 and rates[OWN] > 0 else NONE,
+            f"to {t_end:g} s, {WORDS[which]} below {error:.0e} rad",
+            *(cell(float(f"{rate:.3g}"), ",.0f") for rate in rates),
+            cell(rates[OWN] / rates.drop(OWN).max(), ".2f"),
         ])  # fmt: skip
     header = [*names, "cases/s per thread", "median error, rad", "99 %", "largest"]
     last = ["cases per second", *programs, "ratio to the best other"]
@@ -228,11 +228,6 @@ def tell_bodies(rows: pd.DataFrame) -> str:
 def bodies_to(t_end: float) -> str:
     """The name of the problem of many bodies to a time."""
     return f"bodies to {t_end:g} s"
-
-
-def as_rate(rate: float) -> str:
-    """A rate with three digits and commas."""
-    return f"{float(f'{rate:.3g}'):,.0f}" if rate > 0 else NONE
 
 
 TELL: dict[str, Callable[[pd.DataFrame], str]] = {

@@ -42,23 +42,21 @@ def export(motion: "Mapping[str, Any] | FileTable", path: str | Path, t: Any = N
         raise InputError(f"{path.name}: the ending is one of {', '.join(writers)}", code=2)
     if not isinstance(motion, Mapping):
         motion = getattr(motion, "rows", motion)
-    times = column(motion, "t", "s") if t is None else np.asarray(t, dtype=float)
-    columns = {name: column(motion, name, "") for name in QUATERNION}
-    wanted = {"t": times, **columns}
-    for group, unit in ((OMEGA, "rad/s"), (PLACE, "m")):
-        there = {name: column(motion, name, unit) for name in group}
-        if any(values is not None for values in there.values()):
-            wanted |= there
-            columns |= there
-    if missing := [name for name, values in wanted.items() if values is None]:
+    found = {"t": column(motion, "t", "s") if t is None else np.asarray(t, dtype=float)}
+    for names, unit in ((QUATERNION, ""), (OMEGA, "rad/s"), (PLACE, "m")):
+        there = {name: column(motion, name, unit) for name in names}
+        if not unit or any(values is not None for values in there.values()):
+            found |= there
+    if missing := [name for name, values in found.items() if values is None]:
         raise InputError(f"an export needs the column {missing[0]}", code=2)
-    if times.ndim != 1 or any(values.shape != times.shape for values in columns.values()):
+    times = found["t"]
+    if times.ndim != 1 or any(values.shape != times.shape for values in found.values()):
         raise InputError("an export needs a number in each column for each time", code=2)
-    if not times.size or not all(np.isfinite(values).all() for values in wanted.values()):
+    if not times.size or not all(np.isfinite(values).all() for values in found.values()):
         raise InputError("an export needs rows, and finite numbers in them", code=2)
     refuse(np.diff(times) <= 0, "its time is not after that of the row before")
-    refuse(sum(columns[name] ** 2 for name in QUATERNION) == 0, "q0 to q3 are 0", 1)
-    path.write_bytes(writers[path.suffix](times, columns))
+    refuse(sum(found[name] ** 2 for name in QUATERNION) == 0, "q0 to q3 are 0", 1)
+    path.write_bytes(writers[path.suffix](times, found))
     return path
 
 

@@ -199,13 +199,6 @@ def ask(name: str, *arguments: Any) -> Any:
     raise error
 
 
-def double_array(address: int, count: int, owner: object) -> "ctypes.Array[c_double]":
-    """Numbers of the library, which live as long as their owner: the array keeps that alive."""
-    array = (c_double * count).from_address(address)
-    array.owner = owner
-    return array
-
-
 VARIABLE = "SPINTOP_LEVEL"
 """The variable of the environment that chooses a lower level, as for the program."""
 LINKER = "/lib64/ld-linux-x86-64.so.2"

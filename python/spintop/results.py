@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from spintop.library import CColumn, CResult, CTable, double_array, library, text_of
+from spintop.library import CColumn, CResult, CTable, library, text_of
 
 if TYPE_CHECKING:
     import pandas
@@ -137,7 +137,9 @@ class Table(Columns):
             return self._arrays[name]
         column, values = self._columns[name], np.empty(0)
         if self.row_count:
-            values = np.frombuffer(double_array(column.values, self.row_count, self._owner))
+            memory = (ctypes.c_double * self.row_count).from_address(column.values)
+            memory.owner = self._owner  # which lives as long as the array
+            values = np.frombuffer(memory)
         values.flags.writeable = False
         if column.words:
             words = [text_of(column.words[i]) for i in range(column.word_count)]

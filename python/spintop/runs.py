@@ -168,13 +168,9 @@ def grid_of(named: Mapping[str, np.ndarray], shape: tuple[int, ...]) -> dict[str
     A dimension has the name of the first parameter that varies along it alone.
     """
     grid: dict[str, np.ndarray] = {}
+    sizes = {name: (1,) * (len(shape) - array.ndim) + array.shape for name, array in named.items()}
     for axis, length in enumerate(shape):
-        alone = tuple(length if i == axis else 1 for i in range(len(shape)))
-        along = (
-            name
-            for name, array in named.items()
-            if array.size > 1 and (1,) * (len(shape) - array.ndim) + array.shape == alone
-        )
+        along = (name for name, array in named.items() if 1 < array.size == sizes[name][axis])
         name = next((name for name in along if name not in grid), f"axis{axis + 1}")
         grid[name] = named[name].ravel() if name in named else np.arange(length)
     return grid

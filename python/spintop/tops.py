@@ -32,12 +32,6 @@ QUANTITIES = (
     *("precession_rate", "phi_rate_max", "motion_class"),
 )
 """The quantities of a nutation for which nothing else is asked."""
-MOVING = (
-    *ANGLES,
-    *("omega1", "omega2", "omega3", "q0", "q1", "q2", "q3", "force_x", "force_y", "force_z"),
-    *("kinetic", "potential", "energy"),
-)
-"""The columns that the viewer of a motion shows."""
 Items = tuple[tuple[str, Any], ...]
 """The keys of a group with their values."""
 Names = tuple[str, ...]
@@ -244,8 +238,10 @@ class Top:
 
         `integration` are keys of that group of an input; without any the program chooses.
         """
+        from spintop_figures.moving.motion import GROUPS
+
         span = {"t_end": t_end, "samples": samples}
-        output = {"columns": MOVING}
+        output = {"columns": [name for group in GROUPS for name in group]}
         groups = self.input(integration=integration, span=span, output=output)
         return run({"study": {"title": "The top in motion"}, **groups}).animate()
 

@@ -6,7 +6,7 @@ import sys
 import warnings
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,20 +21,12 @@ LARGEST = 1e150
 overflowed, as its status says, they are left out."""
 
 
-@dataclass(frozen=True)
-class Files:
-    """What a figure is drawn for: what was asked of it, and the endings of its files."""
-
-    options: Options = DEFAULT
-    formats: tuple[str, ...] = ("png", "svg")
-
-
-PICTURES = Files()
-"""Those of a report."""
-
-
 def draw_to(
-    kind: FigureKind, tables: Table | Sequence[Table], stem: Path, files: Files = PICTURES
+    kind: FigureKind,
+    tables: Table | Sequence[Table],
+    stem: Path,
+    options: Options = DEFAULT,
+    formats: Sequence[str] = ("png", "svg"),
 ) -> list[Path]:
     """Draw a figure to files, or raise a TableError that says why that cannot be."""
     alone = isinstance(tables, Table)
@@ -47,8 +39,7 @@ def draw_to(
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            figure = kind.draw(known[0] if alone else known, files.options)
-            return save_as(figure, stem, files.formats)
+            return save_as(kind.draw(known[0] if alone else known, options), stem, formats)
     except (OSError, TableError):
         raise
     except Exception as error:
@@ -57,10 +48,13 @@ def draw_to(
 
 
 def draw_all(
-    kinds: Sequence[FigureKind], table: Table, folder: Path, files: Files = PICTURES
+    kinds: Sequence[FigureKind], table: Table, folder: Path, *asked: object
 ) -> Iterator[list[Path] | TableError]:
-    """Draw figures of a table, at once on as many processors as there are; files or errors."""
-    jobs[:] = [(kind, table, folder / f"{table.path.stem}_{kind.name}", files) for kind in kinds]
+    """Draw figures of a table, at once on as many processors as there are; files or errors.
+
+    What is asked of them, options and formats, is as for `draw_to`.
+    """
+    jobs[:] = [(kind, table, folder / f"{table.path.stem}_{kind.name}", *asked) for kind in kinds]
     workers = min(len(kinds), os.cpu_count() or 1)
     if workers < 2 or "fork" not in multiprocessing.get_all_start_methods():
         yield from map(draw_job, range(len(jobs)))
@@ -70,7 +64,7 @@ def draw_all(
         yield from pool.map(draw_job, range(len(jobs)))
 
 
-jobs: list[tuple[FigureKind, Table, Path, Files]] = []
+jobs: list[tuple] = []
 """What a child may draw, which it inherits: the rows of a table are not sent to it."""
 
 

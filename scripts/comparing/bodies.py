@@ -10,7 +10,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from comparing.problem import Problem, angle_between, as_list
+from comparing.problem import Problem, angle_between
 from program import ProgramError, processors, run_sweep
 
 CASES = 10000
@@ -20,50 +20,28 @@ CENTRE = (0.021650635094610966, -0.012990381056766580, 0.43227658029900259)
 DAMPING = (0.01, 0.01, 0.005)
 START = (math.cos(math.pi / 32), math.sin(math.pi / 32), 0.0, 0.0)
 ANGLES = ("phi_end", "theta_end", "psi_end")
-SCENE = f"""\
-! Damped bodies without symmetry, started near the upright: written by scripts/compare.
-
-&study  kind = 'sweep' /
-&top
-    mass = {MASS}
-    gravity = {GRAVITY}
-    centre_of_mass = {as_list(CENTRE)}
-    damping = {as_list(DAMPING)}
-/
-&initial  quaternion = {as_list(START)}  omega = 0, 0, 1 /
-&span  t_end = 7 /
-&integration  relative_tolerance = 1e-10  absolute_tolerance = 1e-10 /
-&output  columns = 'theta_end', 'phi_end', 'psi_end' /
-&sweep  table = 'TABLE' /
-"""
-
-
-def inertia_of(k: int) -> list[float]:
-    """The moments of inertia of body k, counted from zero."""
-    shares = math.sin(k), math.sin(1.7 * k + 1), math.sin(2.3 * k + 2)
-    return [own * (1 + 0.02 * share) for own, share in zip(INERTIA, shares, strict=True)]
-
-
-def spin_of(k: int) -> float:
-    """The spin of body k at the start, rad/s."""
-    return 0.5 * 40 ** (k / (CASES - 1))
 
 
 def problems(t_end: float) -> Iterator[Problem]:
     """All bodies as problems, whose ends are not known."""
     for k in range(CASES):
-        inertia, omega = tuple(inertia_of(k)), (0.0, 0.0, spin_of(k))
-        yield Problem("", MASS, GRAVITY, CENTRE, inertia, START, omega, t_end, DAMPING)
+        shares = math.sin(k), math.sin(1.7 * k + 1), math.sin(2.3 * k + 2)
+        inertia = (own * (1 + 0.02 * share) for own, share in zip(INERTIA, shares, strict=True))
+        omega = (0.0, 0.0, 0.5 * 40 ** (k / (CASES - 1)))
+        yield Problem("", MASS, GRAVITY, CENTRE, tuple(inertia), START, omega, t_end, DAMPING)
 
 
 def write_scene(folder: Path, name: str, every: int) -> Path:
     """Write the input with every so many of the bodies, and its table of parameters."""
     cases, scene = folder / f"{name}_cases.csv", folder / f"{name}.nml"
+    some = list(problems(7.0))[::every]
     with cases.open("w", encoding="ascii", newline="") as file:
         table = csv.writer(file, lineterminator="\n")
         table.writerow([*(f"top.inertia({i})" for i in (1, 2, 3)), "initial.omega(3)"])
-        table.writerows([*inertia_of(k), spin_of(k)] for k in range(0, CASES, every))
-    scene.write_text(SCENE.replace("TABLE", cases.name), encoding="ascii")
+        table.writerows([*problem.inertia, problem.omega[2]] for problem in some)
+    groups = ["&study kind = 'sweep' /", *some[0].groups(), f"&sweep table = '{cases.name}' /"]
+    groups.append(f"&output columns = {', '.join(map(repr, ANGLES))} /")
+    scene.write_text("\n".join([*groups, ""]), encoding="ascii")
     return scene
 
 
@@ -76,10 +54,11 @@ def run(
         f"integration.method={method}",
         *(f"integration.{kind}_tolerance={tolerance}" for kind in ("relative", "absolute")),
     )
+    from spintop_figures.tables.table import read_table  # which programs in their processes lack
+
     seconds = run_sweep(scene, threads, settings, scene.parent)["computing"]
-    with scene.with_suffix(".csv").open(encoding="utf-8") as file:
-        rows = csv.DictReader(line for line in file if not line.startswith("#"))
-        ends = [quaternion_of(*(float(row[name]) for name in ANGLES)) for row in rows]
+    rows = read_table(scene.with_suffix(".csv")).rows[list(ANGLES)].to_numpy(float)
+    ends = [quaternion_of(*row) for row in rows.tolist()]
     if not all(math.isfinite(part) for q in ends for part in q):
         raise ProgramError(f"{scene}: some bodies have no end")
     return ends, seconds

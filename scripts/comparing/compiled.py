@@ -4,7 +4,7 @@ import array
 import os
 import subprocess
 import tempfile
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from comparing.answer import Answer
@@ -65,3 +65,8 @@ def ask(
     states = zip(*[iter(ends)] * len(form.states), strict=True)
     ends = [form.attitude(*end) for end in zip(problems[::every], states, strict=True)]
     return Answer(ends, time_s, steps, rejected, evaluations)
+
+
+def solver(program: Path) -> Callable[..., Answer]:
+    """`solve` of a compiled program: one problem to a tolerance, absolute and relative."""
+    return lambda problem, **question: ask(program, [problem], 1, **question)

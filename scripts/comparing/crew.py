@@ -107,7 +107,7 @@ class Trial:
     setting: float
     status: str
     answer: dict
-    remark: str = ""
+    remark: str
 
 
 def solve_all(worker: Worker, problem: Problem, budget: float, every: int) -> Iterator[Trial]:
@@ -150,14 +150,11 @@ def try_one(
     question = {"problem": problem, "method": method, "setting": setting}
     if form != "-":
         question["formulation"] = form
-    status, remark, answer = "ok", "", {}
     try:
-        answer = worker.ask(question, seconds)
+        answer = {"status": "ok", "remark": ""} | worker.ask(question, seconds)
     except LostError as error:
-        status = str(error)
-    for word, what in (("failure", "failed"), ("refusal", "refused")):
-        if word in answer:
-            status, remark, answer = what, answer[word], {}
+        answer = {"status": str(error), "remark": ""}
+    status, remark = answer.pop("status"), answer.pop("remark")
     return Trial(worker.program.name, method, form, setting, status, answer, remark)
 
 

@@ -4,9 +4,10 @@ Sums and products look the same in Python, C and C++, so the equations stand her
 `python_rates` makes a Python function of them (of floats, or of heyoka's expressions), `c_header` a
 header for C and C++.
 
-They are those of spintop's formulations of the same names, which have no singular attitude and end
-in the full attitude. The axis and the momentum, with psi by quadrature, are as many states as
-`space_frame`, and the quadrature is nearly singular where the axis passes a pole.
+They have no singular attitude and end in the full attitude; `space_frame` and `rigid_body` are
+those of spintop's formulations of these names. The axis and the momentum, with psi by quadrature,
+are as many states as `space_frame`, and the quadrature is nearly singular where the axis passes a
+pole.
 """
 
 import math
@@ -39,15 +40,10 @@ class Equations:
         return problem.is_symmetric or not self.symmetric
 
 
-def spin_split_off(problem: Problem) -> float:
-    """sigma: the axes that the equations follow lack a turn by sigma t about body z."""
-    i1, _, i3 = problem.inertia
-    return (i1 - i3) * problem.omega[2] / i1
-
-
 def with_spin(problem: Problem, p: Sequence[float]) -> Vector:
-    """The attitude at the end, including the spin."""
-    half = spin_split_off(problem) * problem.t_end / 2
+    """The attitude at the end: the axes that the equations follow lack a turn about body z."""
+    i1, _, i3 = problem.inertia
+    half = (i1 - i3) * problem.omega[2] / i1 * problem.t_end / 2
     return product(p, [math.cos(half), 0.0, 0.0, math.sin(half)])
 
 

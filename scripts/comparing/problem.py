@@ -84,11 +84,6 @@ class Problem:
         ]  # fmt: skip
 
     @property
-    def central_moments(self) -> list[float]:
-        """The moments of inertia about the centre of mass, where that is on a principal axis."""
-        return [self.central[i][i] for i in range(3)]
-
-    @property
     def is_symmetric(self) -> bool:
         """Whether it is an undamped symmetric top about body z."""
         is_round = math.isclose(self.inertia[0], self.inertia[1], rel_tol=ALIKE)
@@ -124,34 +119,29 @@ class Problem:
     def groups(self) -> list[str]:
         """As the groups of an input of spintop."""
         body = f"mass = {self.mass} gravity = {self.gravity} inertia = {as_list(self.inertia)}"
+        place = f"centre_of_mass = {as_list(self.arm)} damping = {as_list(self.damping)}"
         return [
-            f"&top {body} centre_of_mass = {as_list(self.arm)} /",
+            f"&top {body} {place} /",
             f"&initial quaternion = {as_list(self.quaternion)} omega = {as_list(self.omega)} /",
             f"&span t_end = {self.t_end} samples = {self.samples + 1} /",
         ]
 
 
-def motion(
-    name: str, t_end: float, mass: float, central: tuple[float, ...], arm: tuple[float, ...],
-    omega: tuple[float, ...], quaternion: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0),
-) -> Problem:  # fmt: skip
-    """A motion of the engines, whose inertia is about the centre of mass."""
-    square = sum(x * x for x in arm)
-    inertia = tuple(i + mass * (square - x * x) for i, x in zip(central, arm, strict=True))
-    gravity = 9.81 if any(arm) else 0.0
-    return Problem(name, mass, gravity, arm, inertia, quaternion, omega, t_end, samples=25)
-
-
-FREE = (0.0, 0.0, 0.0)
-MOTIONS = (
-    motion("free_symmetric", 5, 1, (1.0, 1.0, 0.5), FREE, (0.5, 0.5, 1.0)),
-    motion("free_asymmetric", 5, 1, (0.13 / 3, 0.1 / 3, 0.05 / 3), FREE, (1.0, 2.0, 3.0)),
-    motion("intermediate_axis", 10, 0.1, (1e-4, 2e-4, 2.5e-4), FREE, (1e-3, 10.0, 1e-3)),
-    motion("free_needle", 2, 0.12, (1.7231e-4, 6.58e-6, 1.7243e-4), FREE, (30.0, 100.0, 1.0)),
-    motion("slow_top", 7.5, 1, (0.125, 0.125, 0.25), (0.0, 0.0, 0.8660254037844387),
-           (0.0, 0.0, 1.0), (math.cos(math.pi / 32), math.sin(math.pi / 32), 0.0, 0.0)),
-    motion("heavy_top", 2, 15, (0.234375, 0.46875, 0.234375), (0.0, 1.0, 0.0),
-           (0.0, 150.0, -4.61538)),
+FREE, UPRIGHT = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+INCLINED = (math.cos(math.pi / 32), math.sin(math.pi / 32), 0.0, 0.0)
+MOTIONS = tuple(
+    Problem(name, mass, 9.81 if any(arm) else 0.0, arm, inertia, start, omega, t_end, samples=25)
+    for name, t_end, mass, inertia, arm, omega, start in (
+        ("free_symmetric", 5, 1, (1.0, 1.0, 0.5), FREE, (0.5, 0.5, 1.0), UPRIGHT),
+        ("free_asymmetric", 5, 1, (0.13 / 3, 0.1 / 3, 0.05 / 3), FREE, (1.0, 2.0, 3.0), UPRIGHT),
+        ("intermediate_axis", 10, 0.1, (1e-4, 2e-4, 2.5e-4), FREE, (1e-3, 10.0, 1e-3), UPRIGHT),
+        ("free_needle", 2, 0.12, (1.7231e-4, 6.58e-6, 1.7243e-4), FREE, (30.0, 100.0, 1.0),
+         UPRIGHT),
+        ("slow_top", 7.5, 1, (0.875, 0.875, 0.25), (0.0, 0.0, 0.75**0.5), (0.0, 0.0, 1.0),
+         INCLINED),
+        ("heavy_top", 2, 15, (15.234375, 0.46875, 15.234375), (0.0, 1.0, 0.0),
+         (0.0, 150.0, -4.61538), UPRIGHT),
+    )
 )  # fmt: skip
 """What the engines compute."""
 

@@ -2,91 +2,77 @@
 
 import math
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
-from comparing.problem import ALIKE, Problem, as_list, product
+from comparing.problem import ALIKE, Problem, product
 from program import SOME_FAILED, ProgramError, call
+from spintop_figures.moving.body import read_body
 from spintop_figures.tables.names import is_good_end
 from spintop_figures.tables.table import Table, read_head, read_table
 
 SMALL = 0.01
 """Mass times distance squared over the least moment of inertia, where only the weight is known."""
 GROUP = re.compile(r"^&(\w+)\n.*?^/\n", re.MULTILINE | re.DOTALL)
-UPRIGHT = ((0.5, -0.5, -0.5, -0.5), (0.5, 0.5, 0.5, 0.5), (1.0, 0.0, 0.0, 0.0))
-"""Turns of a body by which body x, y and z come to stand upright."""
 TO_Z = ((0.5, 0.5, 0.5, 0.5), (0.5, -0.5, -0.5, -0.5), (1.0, 0.0, 0.0, 0.0))
 """Turns of the axes by which x, y and z come to bear the name z."""
-ATTITUDE = ("q0", "q1", "q2", "q3")
-REFERENCE = "&integration method = 'taylor_quadruple' /"
-ONE_STEP = "&integration formulation = 'rigid_body' method = 'rk4' steps = 1 /"
-"""For what is known at the start."""
+COLUMNS = ["q0", "q1", "q2", "q3", "omega1", "omega2", "omega3", "t"]
 
 
-@dataclass(frozen=True)
-class Scene:
-    """The groups of an input that say what moves, how it starts, and for how long."""
+def pose(
+    name: str, path: Path, overrides: list[str], folder: Path, general: bool = False
+) -> Problem:
+    """An input as a problem, its axis of symmetry turned to body z.
 
-    name: str
-    groups: list[str]
-    damping: list[float]
-    general: bool = False
-    """Whether a symmetric top is computed as any other body."""
-
-
-def read_scene(name: str, path: Path, overrides: list[str], general: bool = False) -> Scene:
-    """Read an input as spintop resolves it."""
-    settings = (part for text in overrides for part in ("--set", text))
-    resolved = call("--check", *settings, "--", path)
+    Whatever shape the input gives, the header of its motion has the body. The motion depends on
+    m g r alone, so under unit gravity the mass may be as large, and the centre of mass as near to
+    the fixed point, as one likes; a power of two is exact.
+    """
+    options = (part for text in overrides for part in ("--set", text))
+    resolved = call("--check", *options, "--", path)
     groups = {match[1]: match[0] for match in GROUP.finditer(resolved)}
     settings = read_head([line.strip() for line in resolved.splitlines()])[1]
     if any(key.startswith(("sweep.parameter", "sweep.table")) for key in settings):
         raise ProgramError("has a sweep: leave that out, and --set what it is to be")
     if "top" not in groups:
         raise ProgramError("has no top of its own")
-    damping = [float(text) for text in settings["top.damping"]]
+    damping, (gravity,) = (
+        [float(text) for text in settings[key]] for key in ("top.damping", "top.gravity")
+    )
     span = re.sub(r"(?m)^ *samples *=.*\n", "", groups["span"])
-    return Scene(name, [groups["top"], groups["initial"], span], damping, general)
-
-
-def pose(scene: Scene, folder: Path) -> Problem:
-    """The scene as a problem, its axis of symmetry turned to body z.
-
-    The body is known by its energies in three attitudes, whatever shape the input gives: with body
-    axis i upright and one radian a second about it the kinetic energy is I_i/2, and the potential
-    energy m g r_i; these turns are exact in binary. The motion depends on m g r alone, so under
-    unit gravity the mass may be as large, and the centre of mass as near to the fixed point, as one
-    likes; a power of two is exact.
-    """
-    top, initial, _ = scene.groups
-    inertia, weight = [], []
-    for i, upright in enumerate(UPRIGHT):
-        omega = [float(i == j) for j in range(3)]
-        start = f"&initial quaternion = {as_list(upright)} omega = {as_list(omega)} /"
-        kinetic, potential = ask_start([top, start], ("kinetic", "potential"), folder)
-        inertia.append(2 * kinetic)
-        weight.append(potential)
-    order, turn = choose_axes(inertia, weight, scene.damping)
-    start = ask_start([top, initial], (*ATTITUDE, "omega1", "omega2", "omega3"), folder)
+    table = true_motion([groups["top"], groups["initial"], span], folder)
+    body, start = read_body(table), table.rows[COLUMNS].iloc[0].tolist()
+    if body is None or body.products.any():
+        raise ProgramError("the axes of its body are no principal ones")
+    inertia = body.inertia.tolist()
+    weight = [body.mass * gravity * part for part in body.centre.tolist()]
+    order, turn = choose_axes(inertia, weight, damping)
     pull = math.hypot(*weight)
     mass = 2.0 ** math.ceil(math.log2(pull**2 / (SMALL * min(inertia)))) if pull else 1.0
     problem = Problem(
-        name=scene.name, mass=mass, gravity=1.0,
+        name=name, mass=mass, gravity=1.0,
         arm=tuple(weight[i] / mass for i in order), inertia=tuple(inertia[i] for i in order),
         quaternion=tuple(product(start[:4], turn)), omega=tuple(start[4 + i] for i in order),
-        t_end=0.0, damping=tuple(scene.damping[i] for i in order), general=scene.general,
+        t_end=0.0, damping=tuple(damping[i] for i in order), general=general,
     )  # fmt: skip
-    found = with_truth(problem, scene.groups, folder)
+    found = with_truth(problem, table)
     return replace(found, truth=[product(q, turn) for q in found.truth])
 
 
-def with_truth(problem: Problem, groups: list[str], folder: Path) -> Problem:
-    """A problem with its truth in quadruple precision of these groups, and the exact end."""
-    table = compute("trajectory", [*groups, ask_for((*ATTITUDE, "t")), REFERENCE], folder)
+def true_motion(groups: list[str], folder: Path) -> Table:
+    """The motion of these groups in quadruple precision."""
+    output = f"&output columns = {', '.join(map(repr, COLUMNS))} /"
+    method = "&integration method = 'taylor_quadruple' /"
+    table = compute("trajectory", [*groups, output, method], folder)
     if not is_good_end(table.status):
         raise ProgramError(f"its reference ends with status {table.status}")
-    rows = table.rows[[*ATTITUDE, "t"]].to_numpy(float)[-problem.samples :].tolist()
-    return replace(problem, truth=[row[:4] for row in rows], t_end=rows[-1][4])
+    return table
+
+
+def with_truth(problem: Problem, table: Table) -> Problem:
+    """A problem with the attitudes at the last samples of its motion, and the exact end."""
+    rows = table.rows[COLUMNS].to_numpy(float)[-problem.samples :].tolist()
+    return replace(problem, truth=[row[:4] for row in rows], t_end=rows[-1][-1])
 
 
 def compute(kind: str, groups: list[str], folder: Path) -> Table:
@@ -97,24 +83,15 @@ def compute(kind: str, groups: list[str], folder: Path) -> Table:
     return read_table(folder / "question.csv")
 
 
-def ask_start(groups: list[str], columns: tuple[str, ...], folder: Path) -> list[float]:
-    """These columns at the start, as the equations of a rigid body have them."""
-    groups = [*groups, "&span t_end = 1 /", ask_for(columns), ONE_STEP]
-    return compute("trajectory", groups, folder).rows[list(columns)].iloc[0].tolist()
-
-
-def ask_for(columns: tuple[str, ...]) -> str:
-    """The group that asks for columns of a trajectory."""
-    return f"&output columns = {', '.join(map(repr, columns))} /"
-
-
 def choose_axes(
     inertia: list[float], weight: list[float], damping: list[float]
 ) -> tuple[tuple[int, int, int], tuple[float, ...]]:
     """Which body axes to call x, y and z, and the turn of the axes: z is that of symmetry."""
-    for k in (2, 0, 1):
+
+    def is_axis(k: int) -> bool:
         i, j = (k + 1) % 3, (k + 2) % 3
         alike = math.isclose(inertia[i], inertia[j], rel_tol=ALIKE)
-        if alike and not any((weight[i], weight[j], *damping)):
-            return (i, j, k), TO_Z[k]
-    return (0, 1, 2), TO_Z[2]
+        return alike and not any((weight[i], weight[j], *damping))
+
+    k = next(filter(is_axis, (2, 0, 1)), 2)
+    return ((k + 1) % 3, (k + 2) % 3, k), TO_Z[k]

@@ -2,7 +2,6 @@
 
 import math
 import os
-import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -18,7 +17,6 @@ from spintop_figures.tables.table import Table
 
 OWN = "spintop"
 """What the column `program` calls itself."""
-MEANINGS = {"program": "the program that was measured"}
 SHARED = ("inherent_error", "reference", "reference_error", "reference_check")
 """Columns that are the same in all rows of a problem."""
 MEASURED = ("time_s", "orientation_error", "energy", "momentum", "steps", "rejected", "evaluations")
@@ -79,10 +77,11 @@ def write(path: Path, rows: pd.DataFrame, own: Table, versions: dict[str, str], 
     header |= {"processor": processor()}
     header |= {f"peer {name}": text for name, text in versions.items()}
     lines = [*(f"{key}: {text}" for key, text in header.items()), "input:", "    &study"]
+    meanings = own.meanings | {"program": "the program that was measured"}
     lines += ["        kind = 'work_precision'", f"        title = '{title}'", "    /", "columns:"]
     for name in rows:
         unit = f" [{own.units[name]}]" if own.units.get(name) else ""
-        lines.append(f"    {name}{unit}: {(own.meanings | MEANINGS).get(name, '')}")
+        lines.append(f"    {name}{unit}: {meanings.get(name, '')}")
     part = path.with_name(path.name + ".part")
     with part.open("w", encoding="utf-8") as file:
         file.writelines(f"# {line}\n" for line in lines)
@@ -119,7 +118,7 @@ def ratio(other: pd.Series | None, own: pd.Series | None) -> str:
 
 def tell_solvers(rows: pd.DataFrame) -> str:
     """Of each problem: who is cheapest, by what factor each is dearer; and a table of all."""
-    texts, every = [], [[f"{error:.0e}"] for error in ERRORS]
+    texts, every = [], [[f"{error:.0e}" for error in ERRORS]]
     for name, group in rows.groupby("problem", sort=False):
         is_own, is_exact = group["program"] == OWN, group["method"] == "exact"
         own = [cheapest(group[is_own & ~is_exact], error) for error in ERRORS]
@@ -130,11 +129,12 @@ def tell_solvers(rows: pd.DataFrame) -> str:
         for program, mine in group[~is_own].groupby("program", sort=False):
             best = (cheapest(mine, error) for error in ERRORS)
             lines.append([f"{program}, relative to that", *map(ratio, best, own)])
-        texts.append(f"{name}\n\n{as_table([name, *(f'{error:.0e}' for error in ERRORS)], lines)}")
-        for line, mine, other in zip(every, own, others, strict=True):
-            time = NONE if mine is None else f"{as_time(mine['time_s'])}, {ratio(other, mine)}"
-            line.append(time)
-    texts.append(as_table(["error, rad", *rows["problem"].unique()], every))
+        texts.append(f"{name}\n\n{as_table([name, *every[0]], lines)}")
+        every.append([
+            NONE if mine is None else f"{as_time(mine['time_s'])}, {ratio(other, mine)}"
+            for mine, other in zip(own, others, strict=True)
+        ])  # fmt: skip
+    texts.append(as_table(["error, rad", *rows["problem"].unique()], zip(*every, strict=True)))
     return "\n\n".join(texts)
 
 
@@ -214,11 +214,11 @@ def tell_bodies(rows: pd.DataFrame) -> str:
     programs = [OWN, *(name for name in rows["program"].unique() if name != OWN)]
     for t_end, which, error in TARGETS:
         good = rows[(rows["problem"] == bodies_to(t_end)) & (rows[which] <= error)]
-        rates = good.groupby("program")["rate"].max().reindex(programs, fill_value=0.0)
-        best = rates.drop(OWN).max()
+        rates = good.groupby("program")["rate"].max().reindex(programs)
         lines.append([
-            f"to {t_end:g} s, {WORDS[which]} below {error:.0e} rad", *map(as_rate, rates),
-            f"{rates[OWN] / best:.2f}" if best > 0 and rates[OWN] > 0 else NONE,
+            f"to {t_end:g} s, {WORDS[which]} below {error:.0e} rad",
+            *(cell(float(f"{rate:.3g}"), ",.0f") for rate in rates),
+            cell(rates[OWN] / rates.drop(OWN).max(), ".2f"),
         ])  # fmt: skip
     header = [*names, "cases/s per thread", "median error, rad", "99 %", "largest"]
     last = ["cases per second", *programs, "ratio to the best other"]
@@ -228,11 +228,6 @@ def tell_bodies(rows: pd.DataFrame) -> str:
 def bodies_to(t_end: float) -> str:
     """The name of the problem of many bodies to a time."""
     return f"bodies to {t_end:g} s"
-
-
-def as_rate(rate: float) -> str:
-    """A rate with three digits and commas."""
-    return re.sub(r"\.0$", "", f"{float(f'{rate:.3g}'):,}") if rate > 0 else NONE
 
 
 TELL: dict[str, Callable[[pd.DataFrame], str]] = {

@@ -57,9 +57,9 @@ def main(name: str, place: str) -> None:
         except EOFError:
             return
         except NotImplementedError as error:
-            found = {"refusal": str(error)}
+            found = {"status": "refused", "remark": str(error)}
         except Exception as error:
-            found = {"failure": f"{type(error).__name__}: {error}"}
+            found = {"status": "failed", "remark": f"{type(error).__name__}: {error}"}
         pipe.send(found)
 
 

@@ -239,7 +239,6 @@ contains
         real(dp) :: y(max_states)
         integer :: status
 
-        y = self%y
         if (.not. is_equal(self%t_fitted, self%t)) then
             if (.not. starts_from_slope(self)) then
                 call self%evaluate(self%t_last, self%y_last, self%slope_last, status)

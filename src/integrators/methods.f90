@@ -4,7 +4,7 @@
 !> And the compatibility of methods, formulations and bodies. `can_run` is the one place that decides it, for `integrate`, for the
 !> plans of the program and for tests. The single conditions are separate procedures, for detailed messages.
 module spintop_methods
-    use spintop_arkode, only: arkode_t, arkode_table_t, find_arkode_table
+    use spintop_arkode, only: arkode_t, arkode_table, arkode_table_t
     use spintop_body, only: body_t
     use spintop_dop853, only: dop853_t, dop853_table
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_group, structure_none, structure_quadruple, &
@@ -285,8 +285,8 @@ contains
             end if
         end associate
         if (valid .and. len_trim(controls%table) > 0) then
-            valid = method%takes_table
-            if (valid) call find_arkode_table(controls%table, method%implicit, table, valid)
+            table = arkode_table(controls%table, method%implicit)
+            valid = method%takes_table .and. table%stages > 0
         end if
         status = merge(status_ok, status_bad_controls, valid)
         if (valid .and. controls%steps == 0 .and. .not. method%adaptive) status = status_no_steps
@@ -303,18 +303,10 @@ contains
         status = body_status(body)
         if (is_ok(status)) status = start_status(start, body)
         if (is_ok(status) .and. .not. (t_end >= 0 .and. t_end <= huge(t_end))) status = status_bad_span
-        if (is_ok(status) .and. .not. rise_within(samples, t_end)) status = status_bad_samples
+        if (.not. (all(samples >= 0 .and. samples <= t_end) .and. all(samples(2:) >= samples(:size(samples) - 1)))) then
+            if (is_ok(status)) status = status_bad_samples
+        end if
         if (is_ok(status)) status = can_run(stepper, formulation, body)
     end function call_status
-
-    !> Whether times lie between 0 and `t_end`, in increasing order.
-    pure logical function rise_within(times, t_end)
-        real(dp), intent(in) :: times(:), t_end
-        integer :: n
-        n = size(times)
-        rise_within = .true.
-        if (n == 0) return
-        rise_within = times(1) >= 0 .and. times(n) <= t_end .and. all(times(2:) >= times(:n - 1))
-    end function rise_within
 
 end module spintop_methods

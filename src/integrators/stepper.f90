@@ -12,21 +12,20 @@ module spintop_stepper
     implicit none
     private
     public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step, smallest_spacings, smallest_step
-    public :: projection_t, projection_names, project_nothing, project_unit, project_invariants
+    public :: projection_names, project_nothing, project_unit, project_invariants
 
     !> The admissible errors, prepared for a run.
     type :: error_weight_t
-        !> Absolute part of the admissible error of each component, and the part relative to its magnitude.
+        !> Absolute part of the admissible error of each component, and the part relative to its magnitude, the larger of both ends
+        !> of a step.
         real(dp) :: absolute(max_states) = 0, relative(max_states) = 0
         !> Scale of each component.
         real(dp) :: scale(max_states) = 1
-        !> MATLAB's rule: the magnitude below which the error of a component is absolute.
+        !> MATLAB's rule (Shampine and Reichelt, SIAM J. Sci. Comput. 18, 1997): the magnitude below which the error of a component
+        !> is absolute. The error is divided by the larger one before it is compared with the relative tolerance.
         real(dp) :: threshold(max_states) = 0
         !> Number of components in use.
         integer :: states = 0
-    contains
-        procedure :: allowed
-        procedure :: matlab_magnitude
     end type error_weight_t
 
     !> Smallest error that can be required, relative to a number.
@@ -45,16 +44,6 @@ module spintop_stepper
 
     !> Maximum number of corrections in one projection.
     integer, parameter :: most_corrections = 3
-
-    !> A projection of the states of one run.
-    type :: projection_t
-        integer :: kind = project_nothing
-        !> The invariants at the start.
-        real(dp) :: target(max_invariants) = 0
-    contains
-        procedure :: begin => begin_projection
-        procedure :: apply => project
-    end type projection_t
 
     !> Registry entry of a method.
     type :: method_info_t
@@ -132,6 +121,8 @@ module spintop_stepper
     type :: run_state_t
         !> The equations of motion, prepared for body and start.
         class(formulation_t), pointer :: formulation => null()
+        !> Settings of the user.
+        type(controls_t) :: controls = controls_t()
         !> The span, s.
         real(dp) :: t_begin = 0, t_end = 0
         !> Current time and state, and the slope y' there.
@@ -146,14 +137,15 @@ module spintop_stepper
         integer :: grid = 0
         !> Weights of step errors, set at the beginning of a run of an adaptive method.
         type(error_weight_t) :: weight = error_weight_t()
-        !> Projection of each new state.
-        type(projection_t) :: projection = projection_t()
+        !> The invariants at the start, for the projection of each new state.
+        real(dp) :: invariants(max_invariants) = 0
         !> Cost of the run so far.
         type(counts_t) :: counts = counts_t()
     contains
         procedure :: evaluate
         procedure :: accept_step
         procedure :: accept_change
+        procedure :: project
         procedure :: go_on_from
     end type run_state_t
 
@@ -161,8 +153,6 @@ module spintop_stepper
     type, abstract, extends(run_state_t) :: stepper_t
         !> Properties of the method.
         type(method_info_t) :: info = method_info_t()
-        !> Settings of the user.
-        type(controls_t) :: controls = controls_t()
     contains
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
@@ -200,23 +190,6 @@ module spintop_stepper
     end interface
 
 contains
-
-    !> Admissible error of each component in a step between two states.
-    pure function allowed(self, y, y_new)
-        class(error_weight_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), y_new(max_states) !! states at the beginning and at the end of the step
-        real(dp) :: allowed(max_states)
-        allowed = self%absolute + self%relative * max(abs(y), abs(y_new))
-    end function allowed
-
-    !> Magnitude by which MATLAB's step control divides an error, before it compares the ratio with the
-    !> relative tolerance (Shampine and Reichelt, SIAM J. Sci. Comput. 18, 1997).
-    pure function matlab_magnitude(self, y, y_new) result(magnitude)
-        class(error_weight_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), y_new(max_states) !! states at the beginning and at the end of the step
-        real(dp) :: magnitude(max_states)
-        magnitude = max(abs(y), abs(y_new), self%threshold)
-    end function matlab_magnitude
 
     !> Adds the cost of another run.
     pure subroutine add(self, other)
@@ -337,8 +310,8 @@ contains
             call self%formulation%reset_speed(self%y, clipped)
             if (clipped) self%counts%clipped = self%counts%clipped + 1
         end if
-        if (self%projection%kind /= project_nothing) then
-            call self%projection%apply(self%formulation, self%y, projected)
+        if (self%controls%project /= project_nothing) then
+            call self%project(projected)
             changed = changed .or. projected
         end if
         if (changed) self%rest = 0
@@ -367,33 +340,21 @@ contains
         self%counts = other%counts
     end subroutine go_on_from
 
-    !> Stores the invariants of the start `y`.
-    pure subroutine begin_projection(self, kind, formulation, y)
-        class(projection_t), intent(inout) :: self
-        integer, intent(in) :: kind !! kind of projection
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        real(dp), intent(in) :: y(max_states) !! state at the start
-        self%kind = kind
-        if (kind == project_invariants) call formulation%invariants(y, self%target)
-    end subroutine begin_projection
-
-    !> Projects a state; `changed` reports whether it changed.
-    subroutine project(self, formulation, y, changed)
-        class(projection_t), intent(in) :: self
-        class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
-        real(dp), intent(inout) :: y(max_states) !! state, before and after the projection
+    !> Projects the state; `changed` reports whether it changed.
+    subroutine project(self, changed)
+        class(run_state_t), intent(inout) :: self
         logical, intent(out) :: changed !! whether the state was changed
         type(formulation_info_t) :: info
 
-        changed = self%kind /= project_nothing
+        changed = self%controls%project /= project_nothing
         if (.not. changed) return
-        info = formulation%info()
-        if (self%kind == project_unit) then
-            associate (quaternion => y(info%quaternion:info%quaternion + 3))
+        info = self%formulation%info()
+        if (self%controls%project == project_unit) then
+            associate (quaternion => self%y(info%quaternion:info%quaternion + 3))
                 quaternion = quaternion / norm2(quaternion)
             end associate
         else
-            call restore_invariants(formulation, info, self%target, y)
+            call restore_invariants(self%formulation, info, self%invariants, self%y)
         end if
     end subroutine project
 

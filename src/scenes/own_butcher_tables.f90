@@ -3,6 +3,7 @@
 !> A file is read once; its name in the scene then ends in `@` and its checksum, so that the resolved input stands for these
 !> coefficients, and a file that has changed is refused.
 module spintop_own_butcher_tables
+    use spintop_arkode, only: create_tableau_stepper, parse_tableau, tableau_info, tableau_t
     use spintop_checksum, only: checksum_of, checksum_width
     use spintop_errors, only: error_t
     use spintop_files, only: path_from, read_file
@@ -12,7 +13,6 @@ module spintop_own_butcher_tables
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, table_prefix
     use spintop_stepper, only: method_info_t, stepper_t
-    use spintop_tableau, only: create_tableau_stepper, parse_tableau, tableau_info, tableau_t
     use spintop_text, only: to_text
     implicit none
     private

@@ -5,6 +5,7 @@
 !> checking, printing the resolved input and `spintop list parameters` use the table.
 module spintop_scene_keys
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_arkode, only: tableau_t
     use spintop_checksum, only: checksum_width
     use spintop_sweep_axis, only: law_names
     use spintop_effects_keys, only: describe_effects, effects_scene_t
@@ -18,7 +19,6 @@ module spintop_scene_keys
     use spintop_stepper, only: projection_names, project_nothing
     use spintop_shapes, only: shape_infos, shape_by_inertia
     use spintop_table_column, only: column_length
-    use spintop_tableau, only: tableau_t
     use spintop_text, only: join
     implicit none
     private

@@ -131,16 +131,19 @@ def input_of(scene, method):
 
 def run(spin, scene, method):
     """The rows, and the times of the events by their columns; none if the method cannot."""
-    found = {}
     done = spin(input_of(scene, method), code=tuple(range(256)), torque=TABLE)
     if done.code != 0:
-        return np.zeros((0, 0)), found
-    events = done.table("events")
+        return np.zeros((0, 0)), {}
+    return done.rows.to_numpy(dtype=float), times_by_columns(done.table("events"))
+
+
+def times_by_columns(events):
+    found = {}
     for event, t in zip(events.event, events.t, strict=True):
         name = event.split(" ")[0].split("=")[0]
         name = "turning_points" if name.endswith("turning_point") else name
         found.setdefault(name, []).append(t)
-    return done.rows.to_numpy(dtype=float), found
+    return found
 
 
 @dataclass
@@ -339,11 +342,14 @@ SWEEP = (
 def test_sweeps_end_there(spin, method, after):
     keys = f"method = '{method}'" + ("  steps = 3000" if method == "gauss_8" else "")
     ends, expected = [], []
+    stops = "omega1 = 0", "turning_points", "com_x = 0"
+    listing = f"&output columns = 't'  events = {str(stops)[1:-1]} /\n"
     for seed in range(8):
-        for event in ("omega1 = 0", "turning_points", "com_x = 0"):
-            text = f"{draw(seed).text}&integration {keys} /\n"
-            times = times_of(spin, f"{text}&span t_end = {T_END} /", event)
+        text = f"{draw(seed).text}&integration {keys} /\n&span t_end = {T_END}"
+        found = times_by_columns(spin(f"{text} /\n{listing}", torque=TABLE).table("events"))
+        for event in stops:
+            times = found.get(event.removesuffix(" = 0"), [])
             expected.append(times[after - 1] if len(times) >= after else T_END)
-            span = f"&span t_end = {T_END}  stop_at = '{event}'  stop_after = {after} /\n"
-            ends.append(spin(text + span + SWEEP, torque=TABLE).rows.t_end[0])
+            stop = f"  stop_at = '{event}'  stop_after = {after} /\n"
+            ends.append(spin(text + stop + SWEEP, torque=TABLE).rows.t_end[0])
     assert ends == pytest.approx(expected, abs=1e-6)

@@ -17,7 +17,6 @@ from statistics_test import BARE, MAP
 
 pytestmark = [pytest.mark.slow, needs_mpi]
 
-# A launcher takes its time to end its ranks.
 MANY = f"steps = {4 * int(STEPS.split()[-1])}"
 SLOWER = SLOW.replace(STEPS, MANY)
 
@@ -26,12 +25,22 @@ def ranked(spin, *words, ranks=3, code=0):
     return spin.call(*words, command=under(ranks), environment=MPI, code=code)
 
 
+def by_ranks(spin, text):
+    """A sweep under three ranks, whose table is that of the program without MPI."""
+    sweep = Sweep(spin, text)
+    sweep.options = {"command": under(3), "environment": MPI}
+    return sweep
+
+
 @pytest.fixture
 def slow(spin):
-    """The slow sweep under three ranks, whose table is that of the program without MPI."""
-    slow = Sweep(spin, SLOWER)
-    slow.options = {"command": under(3), "environment": MPI}
-    return slow
+    return by_ranks(spin, SLOW)
+
+
+@pytest.fixture
+def slower(spin):
+    """One that is not over when the launcher has ended its ranks."""
+    return by_ranks(spin, SLOWER)
 
 
 def writers(spin):
@@ -106,7 +115,7 @@ def test_several_inputs_and_parts(spin, slow):
     """One sweep after the other; a part of one is shared out like a whole."""
     alone = spin(FAST, "--output=alone", name="fast").path.read_bytes()
     ranked(spin, "fast.nml", slow.name, "--threads", "1")
-    whole = undisturbed(SLOWER)["slow.csv"]
+    whole = undisturbed(SLOW)["slow.csv"]
     assert slow.read(slow.table) == whole
     assert slow.read("output/fast.csv") == alone
     for part in (1, 2):
@@ -133,33 +142,33 @@ def test_under_slurm(spin, slow):
 
 
 @each("kill_writer", True, False)
-def test_a_rank_is_killed(spin, slow, kill_writer):
+def test_a_rank_is_killed(spin, slower, kill_writer):
     """All end; what is journalled is taken over, with ranks or without, to the same bytes."""
-    with slow.start() as run:
-        slow.wait(run, 1)
+    with slower.start() as run:
+        slower.wait(run, 1)
         victims = sorted(pid for pid, writer in writers(spin).items() if writer is kill_writer)
         assert len(victims) == (1 if kill_writer else 2)
         os.kill(victims[0], signal.SIGKILL)
         assert run.wait(timeout=300) != 0
         wait_until(lambda: not writers(spin))
-    rows = slow.rows
+    rows = slower.rows
     assert rows > 0
-    assert slow.table not in spin.produced()
-    slow.options = {"command": under(2), "environment": MPI} if kill_writer else {}
-    said = slow("--threads", "1", "--resume", "--progress")
+    assert slower.table not in spin.produced()
+    slower.options = {"command": under(2), "environment": MPI} if kill_writer else {}
+    said = slower("--threads", "1", "--resume", "--progress")
     # In the progress, in the summary, and nowhere else.
     assert said.count(f"resumes after {rows} rows of an interrupted run") == 2
-    slow.check()
+    slower.check()
 
 
-def test_the_launcher_is_stopped(spin, slow):
+def test_the_launcher_is_stopped(spin, slower):
     """SIGTERM to it ends all ranks, and nothing is lost; a complete table is left alone."""
-    assert slow.interrupt(by=signal.SIGTERM)[0] != 0
+    assert slower.interrupt(by=signal.SIGTERM)[0] != 0
     wait_until(lambda: not writers(spin))
-    assert slow.rows > 0
+    assert slower.rows > 0
     for said in (" rows of an interrupted run", "nothing was computed"):
-        assert said in slow("--threads", "1", "--resume")
-        slow.check()
+        assert said in slower("--threads", "1", "--resume")
+        slower.check()
 
 
 def test_a_disk_that_fills_up(spin, slow, disk):

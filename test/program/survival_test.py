@@ -132,8 +132,10 @@ def test_killed_and_resumed(spin, text, table, settings):
     assert re.search(r"  status    [15]000 ok", said)
     slow.check()
     before = (spin.folder / slow.table).stat()
+    spin.write("of a run that was killed while it renamed its log", "output/slow.log.new")
     assert "nothing was computed: the table is already complete" in slow("--resume")
     assert (spin.folder / slow.table).stat() == before
+    slow.check()
 
 
 def test_nothing_to_resume(slow):
@@ -278,6 +280,8 @@ def test_damage_and_strangers_are_refused(slow):
         (part, journal.replace(b"bytes: ", b"bytes: 1"), [], "journal is damaged"),
         (part, journal[:-5], [], "journal is damaged"),
         (part, b"", [], "journal is damaged"),
+        (part, journal + b"   ", [], "journal is damaged"),
+        (part, journal + b"\nrows: 1", [], "journal is damaged"),
         (part, journal, ["--set", "top.mass=2"], "here: mass = 2"),
     ):
         files[0].write_bytes(new_part)
@@ -287,10 +291,12 @@ def test_damage_and_strangers_are_refused(slow):
         assert "--restart discards it" in said
         assert (slow.read(PART), slow.read(JOURNAL)) == (new_part, new_journal)
     # What lies behind the journalled bytes may be anything: a power cut leaves zeros, say.
-    files[0].write_bytes(part[:length] + bytes(5000))
-    files[1].write_bytes(journal)
-    slow("--resume")
-    slow.check()
+    for rest in (bytes(5000), b" " * 5000, b"1000,0.5"):
+        (slow.spin.folder / slow.table).unlink(missing_ok=True)
+        files[0].write_bytes(part[:length] + rest)
+        files[1].write_bytes(journal)
+        assert "resumes after" in slow("--resume")
+        slow.check()
     assert "here: mass = 2" in slow("--resume", "--set", "top.mass=2", code=2)
     slow.check()
 

@@ -5,6 +5,7 @@ name is one of the program; and colours differ for all eyes.
 """
 
 import itertools
+import re
 import unittest
 import unittest.mock
 import warnings
@@ -38,10 +39,10 @@ from plot_case import (
     some_events,
 )
 from spintop_figures import draw, read_table, save_as
-from spintop_figures.files import Files, draw_to
+from spintop_figures.files import draw_to
 from spintop_figures.registry import FIGURES, FigureKind, choose_figures
 from spintop_figures.style.axes import Powers, scale_for
-from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness
+from spintop_figures.style.look import CENTIMETRE, ROLES, WIDTHS, lightness, the_look
 from spintop_figures.style.numbers import with_comma, write, write_fixed
 from spintop_figures.sweeps.quantities import column_shown, known_quantities
 from spintop_figures.tables.names import (
@@ -124,6 +125,19 @@ class FigureLookTest(TableCase):
         missing = {kind.name for kind in FIGURES} - seen
         assert missing <= {"peers", "choice", "benchmarks"}
 
+    def test_look_of_methods(self) -> None:
+        """Nor have those of all methods, whose names and axes are the longest."""
+        cases = "slow_top,oblate,flat_disc,thin_rod,kovalevskaya,damped_body,fast_vibration"
+        methods = "stability.methods=rk4,splitting_8,arkode_erk,dop853"
+        stability = "stability", f"stability.cases={cases}", methods
+        for (name, *settings), kind in (
+            (["convergence"], "orders"), (stability, "costs"), (stability, "verdicts"),
+        ):  # fmt: skip
+            table = self.compute(name, *settings)
+            for width in (None, "column") if kind not in WIDE else (None,):
+                with self.subTest(kind=kind, width=width):
+                    assert problems_of(draw(table, kind, width=width)) == []
+
     def test_faults_are_found(self) -> None:
         table = self.read(a_trajectory())
 
@@ -193,10 +207,10 @@ class FigureLookTest(TableCase):
     def test_decimal_comma(self) -> None:
         figure = draw(self.motion(), "angles", decimal_comma=True)
         assert problems_of(figure) == []
-        height = figure.axes[3]
-        shown = [label.get_text() for label in height.yaxis.get_ticklabels()]
-        assert any("," in text for text in shown)
-        assert not any("." in text for text in shown)
+        with the_look(figure.options):
+            shown = [label.get_text() for label in figure.axes[3].yaxis.get_ticklabels()]
+        assert "0,80" in shown
+        assert not [text for text in shown if not re.fullmatch(r"\d(,\d+)?", text)]
         assert with_comma("12,345.5") == "12\N{NARROW NO-BREAK SPACE}345,5"
 
     def test_dark(self) -> None:
@@ -548,9 +562,8 @@ class OtherUnitsTest(TableCase):
         assert wanted <= drawn
 
     def compare(self, kind: FigureKind, own: Table, other: Table) -> None:
-        files = Files(formats=("own",))
         with unittest.mock.patch("spintop_figures.files.save_as") as save:
             for table in (other, own):
-                draw_to(kind, table, self.folder / "a", files)
+                draw_to(kind, table, self.folder / "a")
         one, two = (texts(call.args[0]) for call in save.call_args_list)
         assert one == two

@@ -10,12 +10,16 @@ import unittest
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+from unittest import mock
 
 import numpy as np
 
 import python_library  # noqa: F401
 import spintop
+from spintop import runs
+from spintop.library import PROGRESS
 
+PATIENCE = 60  # s
 TOP = {"mass": 1, "inertia": (0.9, 1.0, 0.3), "length": 0.5}
 START = {"theta": 1.0, "psi_rate": 9.0}
 LONG = {"top": TOP, "initial": START, "span": {"t_end": 1e9, "samples": 11}}
@@ -55,29 +59,32 @@ class InterruptTest(unittest.TestCase):
     def interrupt(self, function: Callable[[], Any], *, computing: bool = False) -> None:
         """One Ctrl-C ends a call, which would take hours, soon enough on a busy machine, too.
 
+        It is sent when the library asks for the first time whether it is to stop: then it computes.
         So it does if the computing thread takes the signal, as the system may choose.
         """
-        sent_again = []
+        asked, ended, sent_again = threading.Event(), threading.Event(), []
+
+        def noting(answer: Callable[[float, object], int]) -> object:
+            return PROGRESS(lambda *words: asked.set() or answer(*words))
 
         def send() -> None:
+            if not asked.wait(PATIENCE) or ended.is_set():
+                return
             if computing:
                 taking = next(thread for thread in threading.enumerate() if thread.daemon)
                 signal.pthread_kill(taking.ident, signal.SIGINT)
             else:
                 os.kill(os.getpid(), signal.SIGINT)
+            if not ended.wait(PATIENCE):
+                sent_again.append(True)
+                signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
 
-        def send_again() -> None:
-            sent_again.append(True)
-            signal.pthread_kill(threading.main_thread().ident, signal.SIGINT)
-
-        timers = threading.Timer(0.5, send), threading.Timer(60, send_again)
-        for timer in timers:
-            timer.start()
-            self.addCleanup(timer.cancel)
-        with self.assertRaises(KeyboardInterrupt):
+        self.addCleanup(asked.set)
+        self.addCleanup(ended.set)
+        with mock.patch.object(runs, "PROGRESS", noting), self.assertRaises(KeyboardInterrupt):
+            threading.Thread(target=send).start()
             function()
-        for timer in timers:
-            timer.cancel()
+        ended.set()
         assert sent_again == []
         self.check_usable()
 

@@ -1,6 +1,6 @@
 !> The Butcher tables of ARKODE, for tests of each of them.
 module library_tables
-    use spintop_arkode, only: arkode_table_names, arkode_table_t, find_arkode_table
+    use spintop_arkode, only: arkode_table_names, arkode_table, arkode_table_t
     use spintop_text, only: string_t
     implicit none
     private
@@ -20,7 +20,6 @@ contains
     function all_library_tables() result(tables)
         type(library_table_t), allocatable :: tables(:)
         type(string_t), allocatable :: names(:)
-        logical :: found
         integer :: i, explicit
         explicit = size(arkode_table_names(.false.))
         allocate (names, source=[arkode_table_names(.false.), arkode_table_names(.true.)])
@@ -28,7 +27,7 @@ contains
         do i = 1, size(names)
             tables(i)%name = names(i)%text
             tables(i)%implicit = i > explicit
-            call find_arkode_table(names(i)%text, tables(i)%implicit, tables(i)%table, found)
+            tables(i)%table = arkode_table(names(i)%text, tables(i)%implicit)
             tables(i)%stages = int(tables(i)%table%stages)
             tables(i)%order = int(tables(i)%table%order)
             tables(i)%embedded_order = int(tables(i)%table%embedded_order)

@@ -1,7 +1,6 @@
 """spintop beside others: programs on the same problem, and published benchmarks."""
 
 import math
-import re
 import textwrap
 
 import numpy as np
@@ -13,7 +12,7 @@ from spintop_figures.kinds import figure
 from spintop_figures.methods.known import style_of
 from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, GREY, GROUND, LINES, by_width
-from spintop_figures.style.numbers import with_power, write
+from spintop_figures.style.numbers import in_print, write
 from spintop_figures.style.page import legend_below, name_outer, new_figure, panel_figure
 from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
@@ -152,6 +151,5 @@ def draw_benchmarks(table: Table) -> Figure:
 
 def describe(benchmark: str, method: str) -> str:
     """A benchmark and what was published, in three short lines at most."""
-    method = re.sub(r"\b1e(-?\d+)", lambda power: with_power("1", int(power[1])), method)
-    lines = textwrap.wrap(method, by_width(44, 22), max_lines=2, placeholder=" …")
+    lines = textwrap.wrap(in_print(method), by_width(44, 22), max_lines=2, placeholder=" …")
     return "\n".join([benchmark.replace("_", " "), *lines])

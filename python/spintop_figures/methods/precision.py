@@ -13,34 +13,13 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
-from spintop_figures.methods.known import (
-    family_of,
-    ink_of,
-    known_methods,
-    look_of,
-    order_of,
-    rank_of,
-    style_of,
-)
+from spintop_figures.methods import known
+from spintop_figures.style import numbers
 from spintop_figures.style.axes import few_ticks, letters_of, name_axis, name_rows
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
-from spintop_figures.style.numbers import (
-    DASH,
-    localised,
-    with_power,
-    write,
-    write_count,
-    write_fixed,
-)
 from spintop_figures.style.page import head, is_lowest, legend_below, new_figure, panel_figure
-from spintop_figures.sweeps.maps import (
-    Grid,
-    cross,
-    draw_classes,
-    label_axes,
-    make_grid,
-    object_to_grid,
-)
+from spintop_figures.sweeps import maps
+from spintop_figures.sweeps.maps import Grid
 from spintop_figures.sweeps.quantities import tell_failed
 from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
@@ -62,7 +41,7 @@ class Curve(NamedTuple):
 
     def style(self) -> dict[str, object]:
         """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
-        return style_of(self.method, self.formulation if self.label != self.method else "")
+        return known.style_of(self.method, self.formulation if self.label != self.method else "")
 
 
 def fineness(setting: str) -> float:
@@ -90,7 +69,7 @@ def curves_of(rows: pd.DataFrame, columns: Iterable[str]) -> list[Curve]:
         label = f"{name_of(method)}, {name_of(formulation)}" if several[method] else name_of(method)
         order = part["setting"].map(fineness).sort_values(kind="stable").index
         curves.append(Curve(method, formulation, label, part.loc[order]))
-    return sorted(curves, key=lambda curve: (*rank_of(curve.method), curve.label))
+    return sorted(curves, key=lambda curve: (*known.rank_of(curve.method), curve.label))
 
 
 def time_to(curve: Curve, target: float = TARGET, cost: str = "time_s") -> float:
@@ -114,15 +93,15 @@ def best_of_families(rows: pd.DataFrame, cost: str) -> list[Curve]:
 
     Of a family that does not reach it, that with the least error. The exact motion is of none.
     """
-    best: dict[str, tuple[tuple[float, float], Curve]] = {}
-    for curve in curves_of(rows, (cost, "error_max")):
-        reached = time_to(curve, TARGET, cost)
-        least = float(curve.rows["error_max"].min())
-        merit = (0.0, reached) if np.isfinite(reached) else (1.0, least)
-        family = family_of(curve.method)
-        if curve.method != EXACT and (family not in best or merit < best[family][0]):
-            best[family] = merit, curve
-    return [curve for _, curve in best.values()]
+
+    def merit(curve: Curve) -> tuple[bool, float]:
+        reached = time_to(curve, cost=cost)
+        missed = np.isnan(reached)
+        return missed, curve.rows["error_max"].min() if missed else reached
+
+    curves = [each for each in curves_of(rows, (cost, "error_max")) if each.method != EXACT]
+    families = itertools.groupby(curves, key=lambda curve: known.family_of(curve.method))
+    return [min(members, key=merit) for _, members in families]
 
 
 PRECISION = {"kind": "work_precision", "words": "problem method formulation setting status"}
@@ -158,13 +137,13 @@ def draw_precision_curves(
         style = curve.style()
         if strong is not None:
             style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
-            style["color"] = look_of(family_of(curve.method)).colour
+            style["color"] = known.look_of(known.family_of(curve.method)).colour
             others = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
             style = style if curve.label in strong else others
         if curve.method != EXACT:
             axes.plot(cost, error, **style, label=curve.label)
         elif cost[0] > 0:  # a cost that a log axis can show
-            axes.plot(cost, error, **style_of(EXACT) | {"linestyle": "", "markersize": 8})
+            axes.plot(cost, error, **known.style_of(EXACT) | {"linestyle": "", "markersize": 8})
             place = {"va": by_width("top", "bottom"), "textcoords": "offset points"}
             words = "exact solution", (cost[0], error[0]), (6, by_width(-1, 1))
             axes.annotate(*words, **place, fontsize="small")
@@ -223,7 +202,7 @@ def draw_over(
     named: dict[str, tuple[tuple, Artist]] = {}
     for problem, axes in panels.items():
         rows = table.rows[table.rows["problem"] == problem]
-        best = {curve.label: rank_of(curve.method) for curve in best_of_families(rows, cost)}
+        best = {curve.label: known.rank_of(curve.method) for curve in best_of_families(rows, cost)}
         draw_precision_curves(axes, rows, cost, best)
         lines = {line.get_label(): line for line in axes.lines}
         named |= {label: (rank, lines[label]) for label, rank in best.items()}
@@ -246,7 +225,7 @@ def tell_lead(table: Table, cost: str, less: str) -> str:
         return ""
     (least, first), (more, second) = reached[:2]
     ratio = more / least
-    told = write(ratio, 2) if ratio < 100 else write_count(ratio)
+    told = numbers.write(ratio, 2) if ratio < 100 else numbers.write_count(ratio)
     return f": {first} {less.format(ratio=told, other=second)} at {GOAL}"
 
 
@@ -265,7 +244,7 @@ def draw_precision_work(table: Table) -> Figure:
     figure, panels = draw_over(table, "evaluations", less, words, "")
     for problem, rows in table.rows.groupby("problem", sort=False):
         methods = rows.loc[stepping(rows) & rows["setting"].str.startswith("steps "), "method"]
-        orders = {order for name in methods.unique() if (order := order_of(name))}
+        orders = {order for name in methods.unique() if (order := known.order_of(name))}
         draw_slopes(panels[problem], sorted(orders))
     return figure
 
@@ -332,8 +311,8 @@ def measured_order(rows: pd.DataFrame) -> float:
 def with_order(curve: Curve) -> str:
     """The label of a curve with its measured order and, after a slash, that of the method."""
     order = measured_order(curve.rows)
-    measured = write_fixed(order, 2) if np.isfinite(order) else DASH
-    return f"{curve.label}: {measured} / {order_of(curve.method) or DASH}"
+    measured = numbers.write_fixed(order, 2) if np.isfinite(order) else numbers.DASH
+    return f"{curve.label}: {measured} / {known.order_of(curve.method) or numbers.DASH}"
 
 
 @figure(needs="error_max", objection=object_to_orders, **PRECISION)
@@ -341,7 +320,7 @@ def draw_orders(table: Table) -> Figure:
     """Error against step size of the fixed-step methods, with measured orders."""
     rows = equal_steps(table)
     title = "Convergence of the fixed-step methods, with measured / theoretical order"
-    figure, panels = problem_panels(table, title, rows)
+    figure, panels = problem_panels(table, title, rows, by_width(1.0, 1.4))
     words = "step size over the time span"
     for problem, axes in panels.items():
         part = rows[rows["problem"] == problem]
@@ -350,14 +329,14 @@ def draw_orders(table: Table) -> Figure:
         curves.sort(key=lambda curve: -curve.rows["error_max"].iloc[0])  # as they end at the right
         labels = {curve.label: with_order(curve) for curve in curves}
         lines = {line.get_label(): line for line in axes.lines}
-        inks = [ink_of(family_of(curve.method)) for curve in curves]
+        inks = [known.ink_of(known.family_of(curve.method)) for curve in curves]
         place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "labelcolor": inks}
         axes.legend(map(lines.get, labels), labels.values(), **place)
         name_axis(axes.yaxis, *ERROR)
-        if any(DASH in label for label in labels.values()) and "\n" not in words:
-            words += f"\n{DASH}: no order is seen, for rounding or for too large steps"
+        if any(numbers.DASH in label for label in labels.values()) and "\n" not in words:
+            words += f"\n{numbers.DASH}: no order is seen, for rounding or for too large steps"
         name_axis(axes.xaxis, "")
-    name_axis(axes.xaxis, words)
+    name_axis(axes.xaxis, words, letters=by_width(0, 22))
     return figure
 
 
@@ -387,7 +366,7 @@ def object_to_tolerance_map(table: Table) -> str:
     problems = table_of_problems(table)
     reached = ended_well(problems.rows).any()
     reason = "" if reached else f"has no method that reaches an error of {GOAL}"
-    return object_to_grid(problems) or reason
+    return maps.object_to_grid(problems) or reason
 
 
 @figure(needs="error_max time_s", objection=object_to_tolerance_map, **PRECISION)
@@ -397,25 +376,25 @@ def draw_tolerance_map(table: Table) -> Figure:
     The cheapest method and the next one for the target as colours, and numbers in the cells.
     """
     problems = table_of_problems(table)
-    grid = make_grid(problems)
+    grid = maps.make_grid(problems)
     failed = ~ended_well(problems.rows).to_numpy()
     title = f"The cheapest method for an error of {GOAL} in attitude{tell_failed(problems)}"
     figure, panels = panel_figure(table, title, 2, 2.9, above=0.9, across=1)
     colours = colours_of_methods(problems.rows)
     times, ratios = problems.column("time_s"), problems.column("ratio")
     unit, factor = unit_of(times)
-    maps = (
+    shown = (
         ("method", factor * times, f"the cheapest method, and its time in {unit}"),
         ("next", ratios, "the next method, and how many times longer it takes"),
     )
-    for (method, values, heading), axes in zip(maps, panels, strict=True):
+    for (method, values, heading), axes in zip(shown, panels, strict=True):
         head(axes, heading)
         there = {name: c for name, c in colours.items() if (problems.rows[method] == name).any()}
         look = {"edgecolor": GROUND, "linewidth": 0.5, "rasterized": False}
-        draw_classes(axes, grid, problems.rows[method], there, **look)
-        cross(axes, grid, failed)
+        maps.draw_classes(axes, grid, problems.rows[method], there, **look)
+        maps.cross(axes, grid, failed)
         write_numbers(axes, grid, values)
-    label_axes(problems, grid, panels)
+    maps.label_axes(problems, grid, panels)
     return figure
 
 
@@ -428,14 +407,14 @@ def unit_of(seconds: np.ndarray) -> tuple[str, float]:
 def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
     """A pale colour for each method: that of its family, paler for further members."""
     counts = pd.concat([rows["method"], rows["next"]]).value_counts()
-    known = {name_of(method): method for method in known_methods()}
+    own = {name_of(method): method for method in known.known_methods()}
     members: dict[str, int] = {}
     colours = {}
     for label in counts.index.drop(NONE, errors="ignore"):
-        family = family_of(known.get(label.partition(", ")[0], ""))
+        family = known.family_of(own.get(label.partition(", ")[0], ""))
         pale = 1 - 0.38 * 0.55 ** members.get(family, 0)
         members[family] = members.get(family, 0) + 1
-        colours[label] = tint(look_of(family).colour, pale)
+        colours[label] = tint(known.look_of(family).colour, pale)
     return colours
 
 
@@ -453,7 +432,7 @@ def write_numbers(axes: Axes, grid: Grid, values: np.ndarray) -> None:
 
 def tell(value: float) -> str:
     """Two digits of a number; empty if there is none."""
-    return localised(f"{value:.{0 if value >= 10 else 1}f}") if np.isfinite(value) else ""
+    return numbers.localised(f"{value:.{0 if value >= 10 else 1}f}") if np.isfinite(value) else ""
 
 
 TARGETS = (1e-3, 1e-6, 1e-9, 1e-12)
@@ -464,29 +443,27 @@ NEAR = 2.0
 
 
 class Choice(NamedTuple):
-    """The choice on a problem for a target: its time over the least, and who has the least."""
+    """The choice on a problem for a target: its time over the least, and who has the least.
+
+    The ratio is infinite where the choice is not accurate enough.
+    """
 
     target: float
     ratio: float
     cheapest: str
 
 
-def cheapest_row(rows: pd.DataFrame, target: float) -> pd.Series | None:
-    """The row with the least time whose error is no larger than the target."""
-    good = rows[ended_well(rows) & (rows["orientation_error"] <= target)]
-    return None if good.empty else good.loc[good["time_s"].idxmin()]
-
-
 def choices_of(table: Table) -> list[Choice]:
-    """The comparisons; the ratio is infinite where the choice is not accurate enough."""
+    """The comparisons of the automatic choice with the cheapest method."""
     found = []
     for _, rows in table.rows.groupby("problem", sort=False):
-        chosen = rows[rows["auto"] == "yes"]
-        for target in TARGETS if len(chosen) else ():
-            best, own = cheapest_row(rows, target), cheapest_row(chosen, target)
-            if best is not None and best["time_s"] > 0:
-                ratio = np.inf if own is None else own["time_s"] / best["time_s"]
-                found.append(Choice(target, float(ratio), str(best["method"])))
+        sound = rows[ended_well(rows)]
+        for target in TARGETS if (rows["auto"] == "yes").any() else ():
+            good = sound[sound["orientation_error"] <= target].sort_values("time_s", kind="stable")
+            if len(good) and (least := good["time_s"].iloc[0]) > 0:
+                own = good.loc[good["auto"] == "yes", "time_s"].min() / least
+                ratio = float(np.nan_to_num(own, nan=np.inf))
+                found.append(Choice(target, ratio, str(good["method"].iloc[0])))
     return found
 
 
@@ -511,10 +488,10 @@ def draw_choice(table: Table) -> Figure:
     within = np.count_nonzero(ratios <= NEAR)
     title = "The automatic choice takes "
     if within == len(choices):
-        title += f"at most {write_fixed(worst, 2)} times as long as the cheapest method"
+        title += f"at most {numbers.write_fixed(worst, 2)} times as long as the cheapest method"
     else:
-        title += f"no more than {write(NEAR)} times as long as the cheapest method in {within} of "
-        title += f"{len(choices)} comparisons"
+        title += f"no more than {numbers.write(NEAR)} times as long as the cheapest method in "
+        title += f"{within} of {len(choices)} comparisons"
     targets = [target for target in TARGETS if any(c.target == target for c in choices)]
     figure = new_figure(table, title, 1.4 + 0.75 * len(targets))
     axes = figure.add_subplot()
@@ -530,10 +507,12 @@ def draw_choice(table: Table) -> Figure:
     words = "time of the automatic choice over that of the cheapest method"
     name_axis(axes.xaxis, words, letters=by_width(70, 25))
     shown = (1, 1.2, 1.5, 2, 3) if edge < 5 else (1, 2, 5, 10, 20, 50, 100)  # with room between
-    axes.set_xticks(shown, labels=map(write, shown))
+    axes.set_xticks(shown, labels=map(numbers.write, shown))
     axes.set_xticks([], minor=True)
     axes.set_xlim(1 / 1.04, edge)
-    name_rows(axes, [f"{with_power('1', round(np.log10(target)))} rad" for target in targets])
+    name_rows(
+        axes, [f"{numbers.with_power('1', round(np.log10(target)))} rad" for target in targets]
+    )
     axes.set_ylabel("error")
     return figure
 
@@ -542,13 +521,15 @@ def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> N
     """The comparisons for a target; those in which the choice misses it are at the right edge."""
     heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
     for choice, height in zip(choices, heights, strict=True):
-        look = look_of(family_of(choice.cheapest))
+        look = known.look_of(known.family_of(choice.cheapest))
         style = {"color": look.colour, "marker": look.marker, "markersize": 6 * look.size}
         style |= {"linestyle": "", "markeredgewidth": 0.5, "label": choice.cheapest}
         style["markeredgecolor"] = GROUND if np.isfinite(choice.ratio) else INK
         axes.plot(min(choice.ratio, edge / 1.03), height, **style)
     near = sum(choice.ratio <= NEAR for choice in choices)
     missed = sum(not np.isfinite(choice.ratio) for choice in choices)
-    words = f"{near} of {len(choices)} within {write(NEAR)}" + f", {missed} missed" * (missed > 0)
+    words = f"{near} of {len(choices)} within {numbers.write(NEAR)}" + f", {missed} missed" * (
+        missed > 0
+    )
     style = {"xycoords": axes.get_yaxis_transform(), "fontsize": "small", "color": GREY}
     axes.annotate(words, (0.99, place - 0.3), ha="right", **style)

@@ -17,7 +17,7 @@ from spintop_figures.kinds import figure
 from spintop_figures.methods.known import Look, families, family_of, ink_of, look_of
 from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, OURS, WIDTH, by_width
-from spintop_figures.style.numbers import DASH, TIMES, write_count
+from spintop_figures.style.numbers import DASH, TIMES, in_print, write_count
 from spintop_figures.style.page import new_figure, no_axis
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
@@ -211,11 +211,11 @@ def legend_of(
         meaning = table.header.get(f"verdict {verdict.name}", "")
         words = f"{name_of(verdict.name)} ({write_count(number)})"
         mark = verdict.mark.format(digits="n", why="")
-        lines.append((square(verdict, mark), ": ".join(filter(None, (words, meaning)))))
+        lines.append((square(verdict, mark), ": ".join(filter(None, (words, in_print(meaning))))))
         for status, letter in letters.items() if verdict.name == "failed" else ():
             chosen = rows[(rows["verdict"] == "failed") & (rows["status"] == status)]
             reason = chosen["reason"].iloc[0].rpartition(": ")[2]
-            text = f"{write_count(len(chosen))} {name_of(status)}: {reason}"
+            text = f"{write_count(len(chosen))} {name_of(status)}: {in_print(reason)}"
             lines.append((square(verdict, letter), text))
     nothing = Line2D([], [], linestyle="")
     if empty := rows["case"].nunique() * rows["entry"].nunique() - len(rows):
@@ -282,8 +282,9 @@ def draw_costs(table: Table) -> Figure:
     for label, entry in zip(cost.get_yticklabels(), places, strict=True):
         label.set_color(ink_of(family[entry]))
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
-    name_axis(cost.xaxis, "evaluations over those of the cheapest accurate method of the case")
-    name_axis(error.xaxis, "largest error of the attitude", "rad")
+    words = "evaluations over those of the cheapest accurate method of the case"
+    name_axis(cost.xaxis, words, letters=by_width(0, 16))
+    name_axis(error.xaxis, "largest error of the attitude", "rad", letters=by_width(0, 16))
     handles = [
         Line2D([], [], label=f"{how}: {verdict}", **marker(Look("o", GREY), fullness))
         for how, (verdict, fullness) in zip(("full", "pale", "empty"), FACES.items(), strict=True)

@@ -241,28 +241,21 @@ class Constants:
     def steady(self) -> tuple[np.ndarray, np.ndarray]:
         """Ratio and energy, less that of the cusps, of the steady precessions, by the ratio.
 
-        For each inclination there are two: a slow one and a fast one, with
-        x - u = (1 - u^2)(1 -+ r)/(2 u) and r^2 = 1 - 2 w u/p.
+        For each inclination there are two: a slow one with s > 0 and a fast one with s < 0, where
+        s^2 = 1 - 2 w u/p. Both have x - u = (1 - u^2)/(p (1 + s)) and e - w x = s (u - x)/(1 + s).
         """
         # With w u in place of u and w x in place of x the weight pulls down.
-        last = min(1.0, self.strength / 2)
-        near = np.logspace(-6, 0, 500) / 2  # so near to the horizontal and to the poles
-        part = np.concatenate([near, 1 - near[-2::-1]])
-        below, whole, above = -part, (1 + last) * part - 1, last * part
-        parts = [self._precession(u, fast) for u, fast in ((below, 1), (whole, -1), (above, 1))]
-        ratio, energy = (np.concatenate(values) for values in zip(*parts, strict=True))
-        order = np.argsort(self.sign * ratio)
-        return self.sign * ratio[order], energy[order]
-
-    def _precession(self, u: np.ndarray, fast: int) -> tuple[np.ndarray, np.ndarray]:
-        """Ratio and energy, less that of the cusps, of the slow (-1) or the fast precession (1)."""
         p = self.strength
-        square = (1 - u) * (1 + u)
-        root = np.sqrt(np.maximum(0, 1 - 2 * u / p))
-        if fast < 0:
-            return u + square / (p * (1 + root)), -square * root / (p * (1 + root) ** 2)
-        away = square * (1 + root) / (2 * u)
-        return u + away, away * (p * (1 + root) / (2 * u) - 1)
+        least, most = np.sqrt(max(0.0, 1 - 2 / p)), np.sqrt(1 + 2 / p)
+        near = np.logspace(-6, 0, 500) / 2  # so near to the horizontal, s = -1, and to the poles
+        part = np.concatenate([near, 1 - near[-2::-1]])
+        ends = (-most, -1.0), (-1.0, -least), (least, most)
+        s = np.concatenate([low + (high - low) * part for low, high in ends])
+        u = p * (1 - s) * (1 + s) / 2
+        away = (1 - u) * (1 + u) / (p * (1 + s))
+        ratio = self.sign * (u + away)
+        order = np.argsort(ratio)
+        return ratio[order], (-away * s / (1 + s))[order]
 
 
 def object_to_bifurcation(table: Table) -> str:

@@ -10,19 +10,10 @@ from spintop_figures.kinds import figure
 from spintop_figures.methods.known import rank_of, style_of
 from spintop_figures.motion.trajectory import draw_column, panels, share_limits
 from spintop_figures.moving.assumptions import CONSERVED, symmetric
+from spintop_figures.style import page
 from spintop_figures.style.axes import Powers, draw_sizes, few_ticks, has_wide_range, name_axis
 from spintop_figures.style.look import GREY, LINES, by_width
 from spintop_figures.style.numbers import write
-from spintop_figures.style.page import (
-    TIME,
-    describe_run,
-    head,
-    legend_below,
-    model_of,
-    name_outer,
-    panel_figure,
-    time_panels,
-)
 from spintop_figures.tables.names import columns_of, name_of
 from spintop_figures.tables.table import Table
 
@@ -42,8 +33,10 @@ TOGETHER = ("R1", "R2")
 def draw_error(table: Table) -> Figure:
     """Orientation error against time."""
     has_energy = "R4" in table.rows and bool(table.rows["R4"].any())
-    title = f"Orientation error: {describe_run(table)}"
-    figure, axes = time_panels(table, title, 1 + has_energy, 5.0 if has_energy else 3.6, across=1)
+    title = f"Orientation error: {page.describe_run(table)}"
+    figure, axes = page.time_panels(
+        table, title, 1 + has_energy, 5.0 if has_energy else 3.6, across=1
+    )
     t, error = table.column("t"), table.column("orientation_error")
     draw_sizes(axes[0], t, error)
     name_axis(axes[0].yaxis, "orientation error", "rad")
@@ -72,42 +65,35 @@ def draw_error(table: Table) -> Figure:
     "t R1 R2 R3 R4",
     unless={
         "is of the exact solution, which has no residuals": lambda table: (
-            model_of(table)[1] != "exact"
+            page.model_of(table)[1] != "exact"
         )
     },
     assumes=CONSERVED,
 )
 def draw_residuals(table: Table) -> Figure:
     """Residuals R1 to R4 against time (Figures 2 to 7)."""
-    figure, axes = panels(table, f"Residuals: {describe_run(table)}")
+    figure, axes = panels(table, f"Residuals: {page.describe_run(table)}")
     by_name = dict(zip(("R1", "R2", "R3", "R4"), axes, strict=True))
     pair_is_log = any(has_wide_range(table.column(name)) for name in TOGETHER)
     for name, axes in by_name.items():
-        is_pair = name in TOGETHER
-        draw_residual(axes, table, name, pair_is_log if is_pair else None)
+        is_pair, y = name in TOGETHER, table.column(name)
+        if np.any(y) and (pair_is_log if is_pair else has_wide_range(y)):
+            draw_sizes(axes, table.column("t"), y)
+            name_axis(axes.yaxis, f"$|R_{name[1]}|$", table.units.get(name, ""))
+        else:
+            draw_column(axes, table, name, f"$R_{name[1]}$")
+        if not np.any(y):
+            axes.set_yticks([0])
+            axes.text(0.5, 0.6, "zero throughout", transform=axes.transAxes, ha="center")
         known = columns_of("trajectory")[name]["description"]
-        head(axes, f"{name}: {table.meanings.get(name, known).partition(' (')[0]}", pad=18)
-        largest = np.abs(table.column(name)[table.finite(name)]).max()
+        page.head(axes, f"{name}: {table.meanings.get(name, known).partition(' (')[0]}", pad=18)
+        largest = np.abs(y[np.isfinite(y)]).max()
         words = f"largest {write(largest, 2)}" if largest else "zero"
         words = f"scale of {'R1 and R2' if is_pair else f'{name} alone'}; {words}"
         style = {"textcoords": "offset points", "ha": "right", "fontsize": "small", "color": GREY}
         axes.annotate(words, (1, 1), (0, 4), "axes fraction", **style)
     share_limits(*(by_name[name] for name in TOGETHER if np.any(table.column(name))))
     return figure
-
-
-def draw_residual(axes: Axes, table: Table, name: str, is_log: bool | None) -> None:
-    """A residual on its axis, a log one if it needs that; one that is zero throughout says so."""
-    y = table.column(name)
-    is_log = has_wide_range(y) if is_log is None else is_log
-    if is_log and np.any(y):
-        draw_sizes(axes, table.column("t"), y)
-        name_axis(axes.yaxis, f"$|R_{name[1]}|$", table.units.get(name, ""))
-        return
-    draw_column(axes, table, name, f"$R_{name[1]}$")
-    if not np.any(y):
-        axes.set_yticks([0])
-        axes.text(0.5, 0.6, "zero throughout", transform=axes.transAxes, ha="center")
 
 
 LEAST = 1e-18
@@ -158,7 +144,7 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
     there = [name for name in CONSTANTS if not any(lacks(table, name) for table in tables)]
     methods = [method_of(table)[0] for table in tables]
     title = "Drift of the first integrals"
-    figure, panels = panel_figure(tables, title, len(there), 2.6, 0, 1.9, "x", has_foot=True)
+    figure, panels = page.panel_figure(tables, title, len(there), 2.6, 0, 1.9, "x", has_foot=True)
     ordered = sorted(tables, key=lambda table: rank_of(method_of(table)[0]))
     for column, axes in zip(there, panels, strict=True):
         axes.set(xscale="log", yscale="log")
@@ -167,15 +153,15 @@ def draw_drift(tables: Sequence[Table]) -> Figure:
             style = style_of(*method_of(table)) | {"markevery": (0.05, 0.12)}
             method = method_of(table)[0]
             twice = methods.count(method) > 1  # then all of the run tells them apart
-            label = describe_run(table).replace(", ", "\n") if twice else name_of(method)
+            label = page.describe_run(table).replace(", ", "\n") if twice else name_of(method)
             axes.plot(t, np.where(off > LEAST, off, np.nan), **style, label=label)
         draw_guides(axes)
         words, unit = CONSTANTS[column]
-        head(axes, words, axes.yaxis, unit)
-    name_outer(panels, TIME)
+        page.head(axes, words, axes.yaxis, unit)
+    page.name_outer(panels, page.TIME)
     handles, labels = panels[0].get_legend_handles_labels()
     columns = 2 if any("\n" in label for label in labels) else by_width(4, 2)
-    legend_below(panels, handles, columns)
+    page.legend_below(panels, handles, columns)
     return figure
 
 

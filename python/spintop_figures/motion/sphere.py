@@ -15,20 +15,8 @@ from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
 from spintop_figures.motion.trajectory import inclination_extremes, sparseness
+from spintop_figures.style import look
 from spintop_figures.style.axes import MANY_POINTS, Places, draw_heads, name_axes
-from spintop_figures.style.look import (
-    DOTS,
-    FAINT,
-    GREY,
-    GROUND,
-    HIDDEN,
-    INK,
-    LINES,
-    PALE,
-    WASH,
-    by_width,
-    drawn_width,
-)
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import legend_below, panel_figure
 from spintop_figures.tables.table import Table
@@ -40,13 +28,13 @@ ELEVATION, GRID = np.radians(28), np.radians(30)
 
 CIRCLE = np.linspace(0, 2 * np.pi, 241)
 
-FRONT = {"color": LINES[0]["color"], "linewidth": 1.5}
-BACK = {"color": HIDDEN, "linewidth": 1.1}
+FRONT = {"color": look.LINES[0]["color"], "linewidth": 1.5}
+BACK = {"color": look.HIDDEN, "linewidth": 1.1}
 """The path before the sphere, and behind it a paler tint of the same colour."""
 
 ENDS = {
-    "start": {"color": LINES[1]["color"], "linestyle": "", "marker": "o", "markersize": 6},
-    "end": {"color": LINES[1]["color"], "linestyle": "", "marker": "D", "markersize": 5.5},
+    "start": {"color": look.LINES[1]["color"], "linestyle": "", "marker": "o", "markersize": 6},
+    "end": {"color": look.LINES[1]["color"], "linestyle": "", "marker": "D", "markersize": 5.5},
 }
 """Where the path begins and ends; empty if that is behind the sphere."""
 
@@ -131,33 +119,32 @@ def draw_halves(
 
 def halves_of(joined: bool) -> tuple[dict, dict]:
     """How a path is drawn before the sphere and behind it: as dots if its rows are not joined."""
-    return (FRONT, BACK) if joined else (DOTS, DOTS | {"color": HIDDEN})
+    return (FRONT, BACK) if joined else (look.DOTS, look.DOTS | {"color": look.HIDDEN})
 
 
 def mark_ends(axes: Axes, x: np.ndarray, y: np.ndarray, towards: Sequence[float] = (1.0,)) -> None:
     """Marks where a path ends and begins, if it has rows."""
     for name, place in (("end", -1), ("start", 0)) if len(x) else ():
-        face = {"mec": GROUND} if towards[place] >= 0 else {"mfc": GROUND}
+        face = {"mec": look.GROUND} if towards[place] >= 0 else {"mfc": look.GROUND}
         axes.plot(x[place], y[place], **ENDS[name] | face, zorder=5)
 
 
 def draw_globe(axes: Axes, view: View = WHOLE) -> None:
     """The edge of the sphere or of the window, the graticule, and the vertical."""
     edge = view.window * np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
-    axes.fill(*edge, color=WASH, zorder=0)
-    axes.plot(*edge, color=GREY, linewidth=0.8)
-    front = {"color": FAINT, "linewidth": 0.5, "zorder": 1}
+    axes.fill(*edge, color=look.WASH, zorder=0)
+    axes.plot(*edge, color=look.GREY, linewidth=0.8)
+    front = {"color": look.FAINT, "linewidth": 0.5, "zorder": 1}
     if view.window < 1:
         draw_fine_grid(axes, view, front)
     else:
-        back = front | {"alpha": 0.5}
-        for theta in np.arange(GRID, np.pi - GRID / 2, GRID):
-            draw_seen(axes, on_sphere(np.full_like(CIRCLE, theta), CIRCLE), front, back)
-        for phi in np.arange(0, np.pi, GRID):
-            draw_seen(axes, on_sphere(CIRCLE, np.full_like(CIRCLE, phi)), front, back)
-        top, arrow = np.cos(ELEVATION), {"arrowstyle": "-|>", "color": GREY, "lw": 0.9}
+        for place in np.arange(0, np.pi, GRID):
+            at = np.full_like(CIRCLE, place)
+            for circle in (on_sphere(at, CIRCLE), on_sphere(CIRCLE, at)):
+                draw_seen(axes, circle, front, front | {"alpha": 0.5})
+        top, arrow = np.cos(ELEVATION), {"arrowstyle": "-|>", "color": look.GREY, "lw": 0.9}
         axes.annotate("", (0, top + 0.3), (0, top), arrowprops=arrow)
-        axes.text(0.05, top + 0.22, "$z$", color=GREY, fontsize="small")
+        axes.text(0.05, top + 0.22, "$z$", color=look.GREY, fontsize="small")
     side = 1.06 * view.window
     axes.set(xlim=(-side, side), ylim=(-side, side if view.window < 1 else 1.28), aspect="equal")
     axes.set_axis_off()
@@ -172,8 +159,8 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
-    outline = [withStroke(linewidth=2, foreground=WASH)]
-    words = {"fontsize": "small", "color": GREY, "ha": "center", "va": "center", "zorder": 2}
+    outline = [withStroke(linewidth=2, foreground=look.WASH)]
+    words = {"fontsize": "small", "color": look.GREY, "ha": "center", "va": "center", "zorder": 2}
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
         if 0 < count * step < np.pi * (1 - 1e-12):
             circle = on_sphere(np.full_like(around, count * step), around)
@@ -218,30 +205,29 @@ def thinned(points: Points) -> Points:
 
 
 def draw_inset(axes: Axes, view: View) -> None:
-    """A small globe with the window on it."""
+    """A small globe with the window on it, a dot if it is tiny."""
     inset = axes.inset_axes((0.84, 0.82, 0.22, 0.22))
     draw_globe(inset)
     angle = np.arcsin(view.window)
-    rim = np.cos(angle) * view.towards[:, np.newaxis] + view.window * (
-        view.right[:, np.newaxis] * np.cos(CIRCLE) + view.up[:, np.newaxis] * np.sin(CIRCLE)
-    )
-    look = {"color": LINES[1]["color"], "linewidth": 1.4}
     if angle < np.radians(2):
-        rim, look = view.towards[:, np.newaxis], {"color": LINES[1]["color"], "marker": "o"}
-        look["markersize"] = 3
-    draw_seen(inset, tuple(rim), look, look | {"alpha": 0.4})
+        rim, style = view.towards[:, np.newaxis], {"marker": "o", "markersize": 3}
+    else:
+        circle = np.array([np.cos(CIRCLE), np.sin(CIRCLE), np.full_like(CIRCLE, 1 / np.tan(angle))])
+        rim, style = view.window * (np.array(view[:3]).T @ circle), {"linewidth": 1.4}
+    style["color"] = look.LINES[1]["color"]
+    draw_seen(inset, tuple(rim), style, style | {"alpha": 0.4})
 
 
-def path_handles(views: list[View], joined: list[bool]) -> list[Line2D]:
+def path_handles(views: Sequence[View], joined: Sequence[bool]) -> list[Line2D]:
     """What the lines of paths are, for a legend of all of them."""
     front, back = halves_of(any(joined))
     looks = {"path": front}
     if any(view.window >= 1 for view in views):
         looks["on the far side"] = back
-    return [Line2D([], [], **look, label=name) for name, look in (looks | ENDS).items()]
+    return [Line2D([], [], **style, label=name) for name, style in (looks | ENDS).items()]
 
 
-EDGE = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
+EDGE = {"color": look.GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
 """The circles of the extreme inclinations."""
 
 
@@ -251,34 +237,29 @@ def path_of(table: Table) -> np.ndarray:
     return path[:, np.isfinite(path).all(axis=0)]
 
 
-def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool]:
+def draw_tip(axes: Axes, table: Table) -> tuple[View, bool, bool, list[str]]:
     """The path of a motion, between the circles of its minimum and its maximum inclination.
 
     Gives the view, whether the rows are joined, and whether the circles are drawn: they are where
-    they differ from each other and from the path.
+    they differ from each other and from the path. Then lines of words: the extremes of the
+    inclination, and the azimuth passed.
     """
-    tip = on_sphere(*path_of(table))
-    joined = not sparseness(*tip)
-    view = draw_path_on(axes, tip, joined)
+    theta, phi = path_of(table)
+    tip = on_sphere(theta, phi)
+    sparse = sparseness(*tip)
+    view = draw_path_on(axes, tip, not sparse)
     low, high = inclination_extremes(table)
     # more than the width of the line
     nutates = high.value - low.value > min(np.radians(0.5), 0.04 * view.window)
     for extreme in (low, high) if nutates else ():
         circle = on_sphere(np.full_like(CIRCLE, extreme.value), CIRCLE)
         draw_seen(axes, circle, EDGE, EDGE | {"alpha": 0.35}, view)
-    return view, joined, nutates
-
-
-def tell_path(table: Table) -> list[str]:
-    """The extremes of the inclination and the azimuth passed, in lines of words."""
-    theta, phi = path_of(table)
-    low, high = inclination_extremes(table)
-    ends = [f"{write(np.degrees(end.value))}°" for end in (low, high)]
-    words = rf"$\theta$ = {ends[0]}" if ends[0] == ends[1] else rf"$\theta$ {ends[0]} to {ends[1]}"
-    if (low.of_rows or high.of_rows) and ends[0] != ends[1]:
+    least, most = (f"{write(np.degrees(end.value))}°" for end in (low, high))
+    words = rf"$\theta$ = {least}" if least == most else rf"$\theta$ {least} to {most}"
+    if (low.of_rows or high.of_rows) and least != most:
         words += " in the rows"
-    lines = [words, rf"$\phi$ {tell_turn(np.degrees(phi[-1] - phi[0]))}"]
-    return [*lines, *filter(None, [sparseness(*on_sphere(theta, phi))])]
+    turn = rf"$\phi$ {tell_turn(np.degrees(phi[-1] - phi[0]))}"
+    return view, not sparse, nutates, [words, turn, *filter(None, [sparse])]
 
 
 def tell_turn(degrees: float) -> str:
@@ -298,23 +279,23 @@ MOTIONS = {
 @figure(**MOTIONS, together=True)
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
-    across = min(len(tables), by_width(3, 2))
-    side = min(4.6, drawn_width() / across)
+    across = min(len(tables), look.by_width(3, 2))
+    side = min(4.6, look.drawn_width() / across)
     grid = {"share": "", "has_foot": True, "across": across}
     row = 1.1 * side + 0.65  # with the vertical, and words above
     title = "Path of the axis tip on the unit sphere"
     figure, panels = panel_figure(tables, title, len(tables), row, 0, 0.8, **grid)
     drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=True)]
-    views, joined, nutates = map(list, zip(*drawn, strict=True))
+    views, joined, nutates, told = zip(*drawn, strict=True)
     handles = path_handles(views, joined)
     if any(nutates):
         handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
-    for axes, table in zip(panels, tables, strict=True):
+    for axes, table, lines in zip(panels, tables, told, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
         alone = len(tables) == 1  # it has its title below the figure
-        words = "\n".join([title] * (not alone) + tell_path(table))
+        words = "\n".join([title] * (not alone) + lines)
         axes.set_title(words, loc="center", fontsize="small", pad=2)
-    legend_below(panels, handles, by_width(5, 2))
+    legend_below(panels, handles, look.by_width(5, 2))
     return figure
 
 
@@ -326,7 +307,7 @@ def draw_trace(table: Table) -> Figure:
 
 def three_panels(table: Table, title: str) -> tuple[Figure, list[Axes]]:
     """A figure of three panels in a row, or one below the other on a narrow one, and a legend."""
-    shape = {"share": "", "has_foot": True, "across": by_width(3, 1)}
+    shape = {"share": "", "has_foot": True, "across": look.by_width(3, 1)}
     figure, panels = panel_figure(table, title, 3, 3.5, 0, 0.1, **shape)
     figure.get_layout_engine().set(wspace=0.08)
     return figure, panels
@@ -353,30 +334,24 @@ def draw_path(table: Table) -> Figure:
     name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
     side.set_title("from $-y$" if is_wide else "from $+x$")
     handles = path_handles([WHOLE], [joined])
-    legend_below([space], handles, by_width(len(handles), 2))
+    legend_below([space], handles, look.by_width(len(handles), 2))
     return figure
 
 
 def draw_path_plane(
-    axes: Axes,
-    path: tuple[np.ndarray, np.ndarray],
-    near: np.ndarray,
-    radius: float,
-    joined: bool,
+    axes: Axes, path: Sequence[np.ndarray], near: np.ndarray, radius: float, joined: bool
 ) -> None:
-    """A path as two coordinates of it: where it is on the far half of its sphere, it is paler."""
+    """A path as two coordinates of it: where it is on the far half of its sphere, it is paler.
+
+    In a square about the path, or about its sphere; a flat path has a scale of its own upward.
+    """
     circle = radius * np.cos(CIRCLE), radius * np.sin(CIRCLE)
-    axes.plot(*circle, color=FAINT, linewidth=0.8, zorder=0)
-    axes.plot(0, 0, "+", color=GREY, zorder=0)
+    axes.plot(*circle, color=look.FAINT, linewidth=0.8, zorder=0)
+    axes.plot(0, 0, "+", color=look.GREY, zorder=0)
     front, back = halves_of(joined)
     *line, near = (*path, near) if joined else thinned((*path, near))
     draw_halves(axes, line, ((back, ~near), (front, near)))
     mark_ends(axes, *path)
-    set_limits(axes, path, radius)
-
-
-def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -> None:
-    """A square about the path, or about its sphere; a flat path has a scale of its own upward."""
     low, high = (np.array([end(part) for part in path]) for end in (np.nanmin, np.nanmax))
     low, high = 1.05 * low - 0.05 * high, 1.05 * high - 0.05 * low  # with room about the path
     half = max(high - low) / 2
@@ -394,8 +369,8 @@ def set_limits(axes: Axes, path: tuple[np.ndarray, np.ndarray], radius: float) -
     axes.yaxis.set_major_locator(Places(4))
 
 
-BODY = {"color": LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
-TOUCH = {"color": INK, "linewidth": 1.3}
+BODY = {"color": look.LINES[1]["color"], "linewidth": 1.5, "linestyle": (0, (3, 1))}
+TOUCH = {"color": look.INK, "linewidth": 1.3}
 
 
 def turn_by_euler(vector: np.ndarray, phi: object, theta: object, psi: object) -> np.ndarray:
@@ -421,13 +396,13 @@ def draw_cones(table: Table) -> Figure:
     draw_globe(globe)
     in_body, in_space, at_start = in_body_and_space(table)
     draw_cone(globe, in_space, FRONT, BACK)
-    draw_cone(globe, at_start, BODY, BODY | {"color": PALE, "linewidth": 1.1})
+    draw_cone(globe, at_start, BODY, BODY | {"color": look.PALE, "linewidth": 1.1})
     touch = directions(in_space)[:, :1]
     if touch.size:
         (x,), (y,), _ = project(*touch)
         globe.plot([0, x], [0, y], **TOUCH, zorder=4)
         globe.annotate(r"$\omega$", (x, y), (4, 4), textcoords="offset points", zorder=6)
-    globe.plot(0, 0, "o", color=GREY, markersize=2.5, zorder=4)
+    globe.plot(0, 0, "o", color=look.GREY, markersize=2.5, zorder=4)
     globe.set_title("directions, at the start", loc="center")
     draw_cone_plane(body, in_body, BODY | {"linestyle": "-"}, "12", "in the body")
     draw_cone_plane(space, in_space, FRONT, "xy", "in space, from above")
@@ -435,9 +410,9 @@ def draw_cones(table: Table) -> Figure:
         Line2D([], [], **BODY, label="cone of the body"),
         Line2D([], [], **FRONT, label="cone in space"),
         Line2D([], [], **TOUCH, label="where they touch"),
-        *(Line2D([], [], **look, label=name) for name, look in ENDS.items()),
+        *(Line2D([], [], **style, label=name) for name, style in ENDS.items()),
     ]
-    legend_below([globe], handles, by_width(5, 2))
+    legend_below([globe], handles, look.by_width(5, 2))
     return figure
 
 
@@ -457,8 +432,8 @@ def draw_cone(axes: Axes, omega: np.ndarray, front: dict, back: dict) -> None:
     places = np.searchsorted(passed, np.linspace(0, min(passed[-1], 2 * np.pi), 24))
     for place in np.unique(np.minimum(places, len(x) - 1)):
         colour = (front if towards[place] >= 0 else back)["color"]
-        look = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
-        axes.plot([0, x[place]], [0, y[place]], **look)
+        ray = {"color": colour, "linewidth": 0.5, "alpha": 0.6, "zorder": 2}
+        axes.plot([0, x[place]], [0, y[place]], **ray)
 
 
 def thin_if_long(style: dict, curve: np.ndarray) -> dict:
@@ -471,13 +446,13 @@ def thin_if_long(style: dict, curve: np.ndarray) -> dict:
 
 def draw_cone_plane(axes: Axes, omega: np.ndarray, style: dict, names: str, heading: str) -> None:
     """Two components of the angular velocity against each other, from start to end."""
-    x, y = omega[:2]
-    axes.plot(x, y, **thin_if_long(style, omega[:2]), rasterized=len(x) > MANY_POINTS)
-    axes.plot(0, 0, "+", color=GREY)
-    mark_ends(axes, x, y)
-    side = 1.08 * float(np.nanmax(np.abs(omega[:2]))) or 1.0
+    path = omega[:2]
+    axes.plot(*path, **thin_if_long(style, path), rasterized=path.shape[1] > MANY_POINTS)
+    axes.plot(0, 0, "+", color=look.GREY)
+    mark_ends(axes, *path)
+    side = 1.08 * float(np.nanmax(np.abs(path))) or 1.0
     axes.set(xlim=(-side, side), ylim=(-side, side), aspect="equal")
-    axes.xaxis.set_major_locator(Places(4))
-    axes.yaxis.set_major_locator(Places(4))
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(Places(4))
     name_axes(axes, *((rf"$\omega_{name}$", "rad/s") for name in names))
     axes.set_title(heading)

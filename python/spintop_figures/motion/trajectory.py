@@ -49,11 +49,10 @@ def inclination_extremes(table: Table) -> tuple[Extreme, Extreme]:
     if isinstance(reduced, str) or np.ptp(kinetic + potential) > size:
         return least, largest  # the turning points of the start are not those of the run
     low, high = reduced.turning_points()
-    signs = np.sign(table.rows["theta_rate"].to_numpy(float))
-    before, after = signs[:-1], signs[1:]
-    if ((before <= 0) & (after > 0)).any() or ((before < 0) & (after >= 0)).any():
+    turns = np.diff(np.sign(table.column("theta_rate")))
+    if (turns > 0).any():
         least = Extreme(min(low, least.value), False)
-    if ((before >= 0) & (after < 0)).any() or ((before > 0) & (after <= 0)).any():
+    if (turns < 0).any():
         largest = Extreme(max(high, largest.value), False)
     return least, largest
 
@@ -241,44 +240,39 @@ def draw_account(table: Table) -> Figure:
     works = works or {"effects": table.column("work")}
     draw_column(theta, table, "theta", axis_of("theta", between="\n"))
     draw_column(spin, table, "omega3", axis_of("omega3", between="\n"))
-    largest = max(np.nanmax(np.abs(work)) for work in works.values())
-    is_spent = all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
-    (draw_budget if is_spent else draw_works)(energy, table, t, works)
+    draw_works(energy, table, t, works)
     draw_sizes(error, t[1:], table.column("energy_error")[1:])  # it is zero at the start
     name_axis(error.yaxis, "error of the\nbalance (relative)")
     return figure
 
 
-def draw_budget(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
-    """The kinetic energy, on the potential one, and on them what each effect has taken.
+def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
+    """The energy, and the works of the effects: areas if all take energy, else lines.
 
-    The upper edge is the energy of the start.
+    The areas are the kinetic energy, on the potential one, and on them what each effect has taken:
+    the upper edge is the energy of the start.
     """
-    top = energy = table.column("energy")
+    energy = table.column("energy")
     ground = table.column("potential") if "potential" in table.rows else np.zeros_like(energy)
-    axes.fill_between(t, ground, energy, color=HIDDEN, linewidth=0, label="kinetic energy")
+    largest = max(np.nanmax(np.abs(work)) for work in works.values())
+    is_spent = all(np.nanmax(work) <= 1e-9 * largest for work in works.values())
+    if is_spent:
+        axes.fill_between(t, ground, energy, color=HIDDEN, linewidth=0, label="kinetic energy")
+    else:
+        axes.axhline(0, color=FAINT, linewidth=0.8)
+    top = energy
     for number, (name, work) in enumerate(works.items()):
-        style = {"color": AREAS[number % len(AREAS)], "linewidth": 0, "label": f"taken by {name}"}
-        axes.fill_between(t, top, top - work, **style)
-        top = top - work
+        colour = AREAS[number % len(AREAS)]
+        if is_spent:
+            style = {"color": colour, "linewidth": 0, "label": f"taken by {name}"}
+            axes.fill_between(t, top, top - work, **style)
+            top = top - work
+        else:
+            draw_line(axes, t, work, 2 + number % 2, color=colour, label=f"work of {name}")
     draw_line(axes, t, energy, label="energy")
     if "potential" in table.rows:
         draw_line(axes, t, ground, 1, label="potential energy")
-    name_axis(axes.yaxis, "energy", "J")
+    name_axis(axes.yaxis, "energy" if is_spent else "energy, work", "J")
     place = {"loc": "lower left", "bbox_to_anchor": (0, 1.0), "borderpad": 0.1}
     place |= {"handlelength": 1.4, "columnspacing": 0.7, "handletextpad": 0.5}
     axes.legend(**place, ncols=by_width(5, 2))
-
-
-def draw_works(axes: Axes, table: Table, t: np.ndarray, works: dict[str, np.ndarray]) -> None:
-    """The energy and the works as lines, where some give energy."""
-    axes.axhline(0, color=FAINT, linewidth=0.8)
-    draw_line(axes, t, table.column("energy"), label="energy")
-    for line, (name, work) in enumerate(works.items()):
-        draw_line(axes, t, work, 1 + line % (len(LINES) - 1), label=f"work of {name}")
-    if "potential" in table.rows:
-        style = {"color": GREY, "linewidth": 0.8, "zorder": 1, "label": "potential energy"}
-        axes.plot(t, table.column("potential"), **style)
-    name_axis(axes.yaxis, "energy, work", "J")
-    place = {"loc": "upper right", "handlelength": 2.2, "columnspacing": 1.2, "borderpad": 0.1}
-    axes.legend(**place, ncols=by_width(2, 1))

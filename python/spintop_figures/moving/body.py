@@ -97,15 +97,6 @@ def central_inertia(body: Body) -> np.ndarray:
     return body.tensor() - body.mass * (r @ r * np.eye(3) - np.outer(r, r))
 
 
-def exists(body: Body) -> bool:
-    """Whether a mass distribution has these moments: the largest is at most the sum of the others.
-
-    The slack is that of the program, of the moments as they were given.
-    """
-    moments = np.linalg.eigvalsh(central_inertia(body))
-    return bool(moments[2] - moments[1] - moments[0] <= 3 * SLACK * body.inertia.max())
-
-
 def as_solid(
     kind: str, axes: np.ndarray, place: np.ndarray, **extents: object
 ) -> dict[str, object]:
@@ -198,8 +189,11 @@ def draw_body(table: Table, body: Body) -> Drawing:
     """The solids for a body: its shape, or a homogeneous solid of its mass properties."""
     if shape := shape_drawing(table, body) or part_drawing(table):
         return shape
-    is_known = exists(body)
-    inertia = central_inertia(body) if is_known else np.diag(body.inertia)
+    inertia = central_inertia(body)
+    # a mass distribution has these moments: the largest is at most the sum of the others
+    moments = np.linalg.eigvalsh(inertia)
+    is_known = moments[2] - moments[1] - moments[0] <= 3 * SLACK * body.inertia.max()
+    inertia = inertia if is_known else np.diag(body.inertia)
     solid = equivalent_solid(body, inertia)
     if solid is None:
         point = "The body is a point mass on a massless rod."

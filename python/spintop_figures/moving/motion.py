@@ -7,6 +7,7 @@ import base64
 import gzip
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -139,11 +140,12 @@ def pack_all(tables: list[Table], room: int) -> list[Data]:
     return packed
 
 
-def is_whole(table: Table, columns: tuple[str, ...]) -> bool:
-    """Whether a table has these columns, with numbers in all rows."""
-    return not table.missing(columns) and all(
-        table.numeric(name) and table.finite(name).all() for name in columns
-    )
+def columns_of(table: Table, names: Sequence[str]) -> np.ndarray | None:
+    """Columns side by side; None if a table has not all of them, with numbers in all rows."""
+    if table.missing(names) or not all(map(table.numeric, names)):
+        return None
+    numbers = table.rows[list(names)].to_numpy(float)
+    return numbers if np.isfinite(numbers).all() else None
 
 
 def refusal(table: Table) -> str:
@@ -159,19 +161,17 @@ def refusal(table: Table) -> str:
     return ""
 
 
-def columns_of(table: Table, names: tuple[str, ...]) -> np.ndarray:
-    """Columns side by side."""
-    return table.rows[list(names)].to_numpy(float)
+def is_whole(table: Table, names: Sequence[str]) -> bool:
+    """Whether a table has these columns, with numbers in all rows."""
+    return columns_of(table, names) is not None
 
 
 def find_omega(table: Table) -> np.ndarray | None:
     """Angular velocity in body axes, from its columns or from the rates of the angles."""
-    if is_whole(table, OMEGA):
-        return columns_of(table, OMEGA)
-    if not is_whole(table, ANGLES + RATES):
-        return None
-    _, theta, psi = columns_of(table, ANGLES).T
-    phi_rate, theta_rate, psi_rate = columns_of(table, RATES).T
+    omega, both = columns_of(table, OMEGA), columns_of(table, ANGLES + RATES)
+    if omega is not None or both is None:
+        return omega
+    _, theta, psi, phi_rate, theta_rate, psi_rate = both.T
     across = phi_rate * np.sin(theta)
     return np.column_stack(
         (
@@ -213,8 +213,8 @@ def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[s
 
 def attitude_at_start(table: Table) -> np.ndarray:
     """The first row's unit quaternion, its largest component positive."""
-    if is_whole(table, QUATERNION):
-        q = columns_of(table, QUATERNION)[0]
+    if (quaternions := columns_of(table, QUATERNION)) is not None:
+        q = quaternions[0]
     else:
         phi, theta, psi = columns_of(table, ANGLES)[0]
         plus, minus = (phi + psi) / 2, (phi - psi) / 2
@@ -246,20 +246,17 @@ def scene_of(table: Table, body: Body | None, omega: np.ndarray | None) -> str:
 
 def extremes_of(table: Table, body: Body | None, omega: np.ndarray | None) -> dict[str, object]:
     """The range of theta (rad), and the largest of each vector that there is; of all rows."""
-    if is_whole(table, ANGLES):
-        theta = columns_of(table, ANGLES)[:, 1]
+    if (angles := columns_of(table, ANGLES)) is not None:
+        theta = angles[:, 1]
     else:
         q0, q1, q2, q3 = columns_of(table, QUATERNION).T
         theta = 2 * np.arctan2(np.hypot(q1, q2), np.hypot(q0, q3))
-    vectors = {}
-    if is_whole(table, FORCE):
-        vectors["force"] = columns_of(table, FORCE)
-    if omega is not None:
-        vectors["omega"] = omega
-        if body is not None:
-            vectors["momentum"] = omega @ body.tensor()
+    momentum = None if omega is None or body is None else omega @ body.tensor()
+    vectors = {"force": columns_of(table, FORCE), "omega": omega, "momentum": momentum}
     largest = {
-        name: float(np.linalg.norm(values, axis=1).max()) for name, values in vectors.items()
+        name: float(np.linalg.norm(values, axis=1).max())
+        for name, values in vectors.items()
+        if values is not None
     }
     return {"theta": [float(theta.min()), float(theta.max())], **largest}
 
@@ -287,14 +284,9 @@ def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
         kept = which_rows(data.stride, data.total)
         facts["notes"].append(f"The page has {kept}; ranges and longest arrows are of all rows.")
     if body is not None:
-        facts["body"] = {
-            "mass": body.mass,
-            "inertia": body.inertia.tolist(),
-            "products": body.products.tolist(),
-            "centre": body.centre.tolist(),
-            "axis": body.axis().tolist(),
-            "solids": draw_body(table, body).solids,
-        }
+        vectors = vars(body) | {"axis": body.axis()}
+        facts["body"] = {key: np.array(each).tolist() for key, each in vectors.items()}
+        facts["body"]["solids"] = draw_body(table, body).solids
     return facts
 
 

@@ -12,23 +12,14 @@ from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from matplotlib import ticker
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.text import Text
-from matplotlib.ticker import (
-    AutoLocator,
-    EngFormatter,
-    Formatter,
-    LogFormatterSciNotation,
-    LogLocator,
-    MaxNLocator,
-    MultipleLocator,
-    NullLocator,
-)
 
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.look import scale as scale_of_letters
-from spintop_figures.style.numbers import COMMA, PLAIN, localised, with_comma, with_power, write
+from spintop_figures.style.numbers import PLAIN, localised, with_power, write
 from spintop_figures.tables.names import with_unit
 
 LEAST_TICK, LARGEST_TICK = 0.01, 1e4
@@ -77,15 +68,15 @@ def scale_for(low: float, high: float, unit: str) -> Scale:
     is_tiny = largest < LEAST_TICK and unit in BOTH_WAYS + DOWN_ONLY
     is_huge = largest >= LARGEST_TICK and unit in BOTH_WAYS
     if (is_tiny or is_huge) and -12 <= power <= 9:
-        return Scale(factor * 10.0**-power, EngFormatter.ENG_PREFIXES[power] + unit, origin)
+        return Scale(factor * 10.0**-power, ticker.EngFormatter.ENG_PREFIXES[power] + unit, origin)
     return Scale(factor, unit, origin)
 
 
-class Numbers(Formatter):
+class Numbers(ticker.Formatter):
     """The numbers at ticks, with as many decimals as tell them apart, and the name of the axis."""
 
     def __init__(self, words: str, unit: str, after: str) -> None:
-        self.words, self.unit, self.after, self.comma = words, unit, after, COMMA.get()
+        self.words, self.unit, self.after = words, unit, after
         self.holders: list[tuple[Text, int]] = []
         """Texts that name the axis or those that share it, with the letters of their lines."""
 
@@ -115,16 +106,14 @@ class Numbers(Formatter):
         if abs(value) < 1e-6 * step:
             return "0"
         if largest >= 10 ** PLAIN[1] or largest < 10 ** PLAIN[0]:
-            text = write(float(f"{value:.10e}"), 6)
-        else:
-            for decimals in range(12):
-                if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
-                    break
-            text = localised(f"{value:,.{decimals}f}")
-        return with_comma(text) if self.comma else text
+            return write(float(f"{value:.10e}"), 6)
+        for decimals in range(12):
+            if np.all(np.abs(numbers - np.round(numbers, decimals)) < 1e-3 * step):
+                break
+        return localised(f"{value:,.{decimals}f}")
 
 
-class Places(MaxNLocator):
+class Places(ticker.MaxNLocator):
     """Ticks at round numbers as they are written, which may be turns, or differences."""
 
     def __init__(self, nbins: int | str = "auto") -> None:
@@ -137,12 +126,12 @@ class Places(MaxNLocator):
         return super().tick_values(*scale.shown((vmin, vmax))) / scale.factor + scale.origin
 
 
-class Powers(LogFormatterSciNotation):
+class Powers(ticker.LogFormatterSciNotation):
     """Powers of ten as plain text, ten times as fast as formulas; numbers on a short axis."""
 
     def __init__(self, plain: bool = False) -> None:
         super().__init__()
-        self.plain, self.comma = plain, COMMA.get()
+        self.plain = plain
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """The label of a tick."""
@@ -151,8 +140,7 @@ class Powers(LogFormatterSciNotation):
         low, high = sorted(self.axis.get_view_interval())
         is_short = high < 100 * low and low >= 1e-3 and high <= 1e4  # it needs no powers of ten
         mantissa, power = f"{x:.0e}".split("e")
-        text = write(x) if self.plain or is_short else with_power(mantissa, int(power))
-        return with_comma(text) if self.comma else text
+        return write(x) if self.plain or is_short else with_power(mantissa, int(power))
 
 
 def name_axis(
@@ -182,7 +170,7 @@ def name_axis(
     if not isinstance(numbers, Numbers):  # else of a panel that shares the axis
         numbers = Numbers(words, unit, after)
         axis.set_major_formatter(numbers)
-        if isinstance(axis.get_major_locator(), AutoLocator):
+        if isinstance(axis.get_major_locator(), ticker.AutoLocator):
             axis.set_major_locator(Places())
     numbers.holders.append((holder, letters))
     low, high = axis.get_view_interval()
@@ -264,7 +252,7 @@ def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
     alone = there & ~beside
     draw_line(axes, x[alone], sizes[alone], linestyle="", marker=".", markersize=2)
     axes.set_ylim(max(np.nanmin(sizes) / 3, 1e-307), min(np.nanmax(sizes) * 3, 1e308))
-    axes.yaxis.set_major_locator(LogLocator(numticks=7))
+    axes.yaxis.set_major_locator(ticker.LogLocator(numticks=7))
     if zero.any():  # ticks at the bottom
         style = {"color": GREY, "markersize": 4, "markeredgewidth": 0.5, "linestyle": ""}
         style |= {"marker": "|", "transform": axes.get_xaxis_transform()}
@@ -276,8 +264,8 @@ def draw_sizes(axes: Axes, x: np.ndarray, y: np.ndarray) -> None:
 
 def few_ticks(axis: Axis, count: int) -> None:
     """So many ticks on a log axis at most."""
-    axis.set_major_locator(LogLocator(numticks=count))
-    axis.set_minor_locator(NullLocator())
+    axis.set_major_locator(ticker.LogLocator(numticks=count))
+    axis.set_minor_locator(ticker.NullLocator())
 
 
 def name_rows(axes: Axes, labels: Sequence[str], places: Sequence[float] = ()) -> None:
@@ -295,4 +283,4 @@ def set_degree_ticks(axis: Axis, degrees: np.ndarray, most: int = 5) -> None:
     span = np.ptp(degrees[np.isfinite(degrees)])
     step = next((step for step in RIGHT_ANGLES if span <= most * step), None)
     if step is not None and span > 2 * RIGHT_ANGLES[0]:
-        axis.set_major_locator(MultipleLocator(step))
+        axis.set_major_locator(ticker.MultipleLocator(step))

@@ -18,6 +18,7 @@ PLAIN = -3, 6
 """Powers of ten from and below which a number is written without a power."""
 
 POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
+POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)")
 COMMA = ContextVar("COMMA", default=False)
 """Whether numbers have decimal commas, as the look says."""
 
@@ -40,6 +41,11 @@ def with_power(mantissa: str, power: int) -> str:
     """A mantissa and a power of ten; a mantissa of one is left out."""
     ten = f"10{str(power).translate(RAISED)}"
     return {"1": "", "-1": MINUS}.get(mantissa, f"{localised(mantissa)}{TIMES}") + ten
+
+
+def in_print(text: str) -> str:
+    """A text with the numbers in it that programs write as 1e-06."""
+    return POWER.sub(lambda number: with_power(number[1], int(number[2])), text)
 
 
 def write_count(count: float) -> str:

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import matplotlib as mpl
-import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -24,20 +23,8 @@ from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
+from spintop_figures.style import look
 from spintop_figures.style.axes import letters_of, name_axis, wrapped
-from spintop_figures.style.look import (
-    CENTIMETRE,
-    DEFAULT,
-    GREY,
-    LETTERS,
-    SMALLEST,
-    WIDTH,
-    Options,
-    by_width,
-    drawn_width,
-    scale,
-    the_look,
-)
 from spintop_figures.style.numbers import write, write_count
 from spintop_figures.tables.names import is_good_end, name_of
 from spintop_figures.tables.table import Table, TableError, printable
@@ -52,11 +39,11 @@ class Page(Figure):
     """A figure with the provenance of what it shows, which is always drawn in its own look."""
 
     provenance: dict[str, str]
-    options: Options = DEFAULT
+    options: look.Options = look.DEFAULT
 
     def draw(self, renderer: RendererBase) -> None:
         """Draw it, whoever asks for it."""
-        with the_look(self.options):
+        with look.the_look(self.options):
             super().draw(renderer)
 
 
@@ -69,30 +56,32 @@ def new_figure(
     figure that wants another width has smaller letters where it is to be narrower.
     """
     tables = [tables] if isinstance(tables, Table) else list(tables)
-    asked = drawn_width() * scale()
-    if width and width > drawn_width() and not math.isclose(asked, DEFAULT.inches()):
-        size = LETTERS * asked / width
-        if size < SMALLEST:
-            least = math.ceil(width * SMALLEST / LETTERS / CENTIMETRE)
+    asked = look.drawn_width() * look.scale()
+    if width and width > look.drawn_width() and not math.isclose(asked, look.DEFAULT.inches()):
+        size = look.LETTERS * asked / width
+        if size < look.SMALLEST:
+            least = math.ceil(width * look.SMALLEST / look.LETTERS / look.CENTIMETRE)
             raise TableError(f"needs a width of {least} cm")
         mpl.rcParams["font.size"] = size  # within the look, which sets it back
-    width = width or drawn_width()
-    figure = Page(figsize=(width * scale(), height * scale()), layout="constrained")
+    width = width or look.drawn_width()
+    figure = Page(figsize=(width * look.scale(), height * look.scale()), layout="constrained")
     figure.provenance = provenance_of(tables)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
     style = {"x": 0.012, "ha": "left", "parse_math": False}
     title = textwrap.fill(what, int(width * TITLE_LETTERS))
-    figure.suptitle(title, fontsize=11 * scale(), fontweight="bold", **style)
+    figure.suptitle(title, fontsize=11 * look.scale(), fontweight="bold", **style)
     if caption := caption_of(tables, int(15 * width)):
-        figure.supxlabel(caption, fontsize=max(9 * scale(), SMALLEST), color=GREY, **style)
+        figure.supxlabel(
+            caption, fontsize=max(9 * look.scale(), look.SMALLEST), color=look.GREY, **style
+        )
     return figure
 
 
-def finish(figure: Page, options: Options) -> Page:
+def finish(figure: Page, options: look.Options) -> Page:
     """Give a figure that is drawn the title that a user asks for."""
     figure.options = options
     if options.title is not None:
-        width = figure.get_size_inches()[0] / scale()
+        width = figure.get_size_inches()[0] / look.scale()
         figure.suptitle(textwrap.fill(options.title, int(width * TITLE_LETTERS)))
         if not options.title:
             figure.supxlabel("")
@@ -116,7 +105,7 @@ def panel_figure(
     Heights, in inches: of a row, of all rows at least, and of what is above and below them, and the
     ratios of rows where they differ. A foot is a last row of the grid for a legend.
     """
-    across = min(count, across or by_width(2, 1))
+    across = min(count, across or look.by_width(2, 1))
     down = -(-count // across)
     figure = new_figure(tables, title, above + max(height * down, least))
     ratios = [*(ratios or [1.0] * down), *[0.01] * has_foot]
@@ -193,8 +182,9 @@ def head(
 
 def legend_above(axes: Axes, columns: int, **style: object) -> None:
     """A legend above the right end of a panel, with so many columns on a page."""
-    place = {"loc": "lower right", "bbox_to_anchor": (1.01, 1.0), "ncols": by_width(columns, 2)}
-    axes.legend(**place | {"columnspacing": 1.2, "borderpad": 0.2} | style)
+    place = {"loc": "lower right", "bbox_to_anchor": (1.01, 1.0), "borderpad": 0.2}
+    place |= {"columnspacing": 1.2, "ncols": look.by_width(columns, 2)}
+    axes.legend(**place | style)
 
 
 FORMATS = frozenset(FigureCanvasBase.get_supported_filetypes()) - {"raw", "rgba", "pgf"}
@@ -224,8 +214,8 @@ def save(figure: Figure, path: Path) -> None:
         raise ValueError(f"a figure ends in {', '.join(sorted(FORMATS))}, not in {kind!r}")
     known = getattr(figure, "provenance", {})
     metadata = {key: known.get(name) for key, name in KEYS.get(kind, {}).items()}
-    options = getattr(figure, "options", DEFAULT)
-    with the_look(options), warnings.catch_warnings():
+    options = getattr(figure, "options", look.DEFAULT)
+    with look.the_look(options), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")
         lay_out(figure)
         try:
@@ -246,7 +236,7 @@ def save(figure: Figure, path: Path) -> None:
 def lay_out(figure: Figure) -> None:
     """Lay a figure out, once for all files. A narrow one has as many dots across as a page."""
     width = figure.get_size_inches()[0]
-    figure.set_dpi(150 * max(1.0, round(WIDTH / width, 2)))
+    figure.set_dpi(150 * max(1.0, round(look.WIDTH / width, 2)))
     engine = figure.get_layout_engine()
     if engine is None or isinstance(engine, PlaceHolderLayoutEngine):
         return
@@ -255,7 +245,7 @@ def lay_out(figure: Figure) -> None:
         axes.apply_aspect()
         for spine in axes.spines.values():
             spine.set_in_layout(False)  # it would measure all ticks once more
-    with the_look(getattr(figure, "options", DEFAULT)):
+    with look.the_look(getattr(figure, "options", look.DEFAULT)):
         engine.execute(figure)
     figure.set_layout_engine("none")
 
@@ -275,23 +265,16 @@ def save_as(
 
 
 def save_small(figure: Figure, path: Path) -> None:
-    """Write a figure to a PNG file of few colours, with its metadata: a third as large.
+    """Write a figure to a PNG file of 256 colours, with its metadata: less than half as large.
 
-    The palette covers the colours of small marks, too, which a median cut would mix with others. It
-    would tint large areas: the most frequent colours get their places in it unchanged.
+    They cover the colours of small marks, too, which a median cut would mix with others.
     """
     save(figure, path)
     with Image.open(path) as file:
         texts, picture = PngInfo(), file.convert("RGB")
         for key, text in file.text.items():
             texts.add_itxt(key, text)
-    small = picture.quantize(128, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
-    palette, pixels, places = small.getpalette(), np.asarray(picture), np.asarray(small)
-    counted = sorted(picture.getcolors(picture.width * picture.height), reverse=True)
-    for _, colour in reversed(counted[:16]):  # the most frequent colours
-        place = int(places[(pixels == colour).all(axis=2)][0])
-        palette[3 * place : 3 * place + 3] = colour
-    small.putpalette(palette)
+    small = picture.quantize(256, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
     small.save(path, optimize=True, pnginfo=texts)
 
 

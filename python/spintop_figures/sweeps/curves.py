@@ -18,17 +18,8 @@ from spintop_figures.style.axes import name_axis
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, LINES, by_width
 from spintop_figures.style.numbers import COMMA, DASH, localised, with_power, write
 from spintop_figures.style.page import describe_run, head, new_figure, no_axis, panel_figure
-from spintop_figures.sweeps.quantities import (
-    Quantity,
-    draw_class_ticks,
-    has_log_axis,
-    is_wide,
-    is_words,
-    quantities_of,
-    scale_panels,
-    succeeded,
-    tell_rest,
-)
+from spintop_figures.sweeps import quantities
+from spintop_figures.sweeps.quantities import Quantity
 from spintop_figures.tables.names import axis_of, ended_well, is_good_end, name_of
 from spintop_figures.tables.table import Table
 
@@ -52,7 +43,7 @@ AZIMUTH = "azimuth_after_period_deg"
 
 def good_rows(table: Table) -> pd.DataFrame:
     """The cases that succeeded, by the swept parameter."""
-    return succeeded(table).sort_values(table.axes()[0], kind="stable")
+    return quantities.succeeded(table).sort_values(table.axes()[0], kind="stable")
 
 
 @figure(
@@ -86,7 +77,7 @@ def draw_sweep(table: Table) -> Figure:
     axes.legend(loc="upper left")
     draw_deviations(panels[5], x, rows)
     name = table.axes()[0]
-    scale_panels(panels, "x", table, name, has_log_axis(table, name))
+    quantities.scale_panels(panels, "x", table, name, quantities.has_log_axis(table, name))
     figure.align_ylabels()
     return figure
 
@@ -102,9 +93,9 @@ def draw_quantity(axes: Axes, x: np.ndarray, rows: pd.DataFrame, column: str, un
     empty = marks(x, "s", markersize=4, mfc=GROUND) | {"label": f"paper's {EQUATIONS[column]}"}
     axes.plot(x, formula, **empty, **LINES[1])
     axes.plot(x, exact, **marks(x, "o", markersize=3), **LINES[0], label="exact")
-    if is_wide(values := np.concatenate([exact, formula])):
+    if quantities.is_wide(values := np.concatenate([exact, formula])):
         axes.set_yscale("log")
-        if is_wide(values, 100):
+        if quantities.is_wide(values, 100):
             axes.yaxis.set_minor_locator(NullLocator())  # a tenth of the time of a figure
     name_axis(axes.yaxis, axis_of(column), unit)
     axes.legend()
@@ -141,26 +132,26 @@ def draw_deviations(axes: Axes, x: np.ndarray, rows: pd.DataFrame) -> None:
         "is a sweep with a single value of the parameter": lambda table: (
             table.rows[table.axes()[0]].nunique() > 1
         ),
-        "has no quantity to draw": quantities_of,
+        "has no quantity to draw": quantities.quantities_of,
     },
 )
 def draw_curves(table: Table) -> Figure:
     """Quantities of a sweep over one parameter."""
-    quantities, name = quantities_of(table), table.axes()[0]
+    shown, name = quantities.quantities_of(table), table.axes()[0]
     rows = table.rows.sort_values(name, kind="stable")
     x, failed = rows[name].to_numpy(float), ~ended_well(rows).to_numpy()
-    title = f"The motion over the {name_of(name)}{tell_rest(table)}"
-    figure, panels = panel_figure(table, title, len(quantities), 2.0, 3.0, 1.3, share="x")
+    title = f"The motion over the {name_of(name)}{quantities.tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(shown), 2.0, 3.0, 1.3, share="x")
     threshold = sleeping_threshold(name, rows)
     crosses = {"color": FAULT, "markersize": 4, "clip_on": False}
-    for quantity, axes in zip(quantities, panels, strict=True):
+    for quantity, axes in zip(shown, panels, strict=True):
         draw_curve(axes, x, quantity, quantity.values(rows), failed)
         if failed.any():
             place = x[failed], np.zeros(failed.sum())
             axes.plot(*place, "x", transform=axes.get_xaxis_transform(), **crosses)
         if threshold:
             axes.axvline(threshold, color=FAINT, linewidth=0.8, linestyle="--")
-    scale_panels(panels, "x", table, name, has_log_axis(table, name))
+    quantities.scale_panels(panels, "x", table, name, quantities.has_log_axis(table, name))
     return figure
 
 
@@ -179,8 +170,10 @@ def draw_curve(
 ) -> None:
     """A quantity of the cases that succeeded; a class of motion is a step, a sign change a line."""
     style = marks(x, "o", markersize=3) | LINES[0]
-    if is_words(values):
-        numbers = np.where(failed, np.nan, draw_class_ticks(axes, values, values[~failed]))
+    if quantities.is_words(values):
+        numbers = np.where(
+            failed, np.nan, quantities.draw_class_ticks(axes, values, values[~failed])
+        )
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
         axes.set_ylim(-0.5, len(axes.get_yticks()) - 0.5)
         head(axes, quantity.label)

@@ -6,16 +6,9 @@ from typing import NamedTuple
 import matplotlib as mpl
 import numpy as np
 import pandas as pd
+from matplotlib import colors
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
-from matplotlib.colors import (
-    BoundaryNorm,
-    Colormap,
-    LinearSegmentedColormap,
-    ListedColormap,
-    LogNorm,
-    Normalize,
-)
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
@@ -25,22 +18,15 @@ from spintop_figures.moving.body import GRAVITY
 from spintop_figures.style.look import FAULT
 from spintop_figures.style.numbers import MINUS, write
 from spintop_figures.style.page import head, panel_figure
-from spintop_figures.sweeps.quantities import (
-    Quantity,
-    has_log_axis,
-    is_words,
-    order_classes,
-    quantities_of,
-    scale_panels,
-    tell_rest,
-)
+from spintop_figures.sweeps import quantities
+from spintop_figures.sweeps.quantities import Quantity
 from spintop_figures.tables.names import ended_well, name_of
 from spintop_figures.tables.table import Table
 
 COLOURS = mpl.colormaps["cividis"]
 """From dark to light, for all eyes and for print without colours."""
 
-SIGNED = LinearSegmentedColormap.from_list(
+SIGNED = colors.LinearSegmentedColormap.from_list(
     "signed", ["#0b2a4f", "#3f6d9e", "#a9c3dc", "#f4f2ee", "#f2bd8e", "#de7f35", "#ab4a0c"]
 )
 """For values of both signs, with a neutral zero; the ends differ in lightness, too."""
@@ -55,19 +41,21 @@ KAPITZA = r"Kapitza: $A\,\Omega=\sqrt{2gI/(ml)}$"
 """What the limit is, as a legend has it."""
 
 
-def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
+def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[colors.Normalize, str]:
     """The scale of the colours of values, and at which ends some are beyond it.
 
     A scale of both signs has zero in its middle.
     """
     finite = values[np.isfinite(values)]
     if not finite.size:
-        return Normalize(0, 1), "neither"
+        return colors.Normalize(0, 1), "neither"
     if finite.min() == finite.max():
-        return Normalize(finite[0] - 1, finite[0] + 1), "neither"
+        return colors.Normalize(finite[0] - 1, finite[0] + 1), "neither"
     if quantity.has_log_scale(finite):
         above = finite[finite > 0]
-        return LogNorm(above.min(), above.max()), "min" if above.size < finite.size else "neither"
+        return colors.LogNorm(
+            above.min(), above.max()
+        ), "min" if above.size < finite.size else "neither"
     # a hundredth may be beyond the bar if it would take more than half the range of the others
     low, high = np.percentile(finite, [1, 99])
     room = 0.5 * (high - low)
@@ -78,12 +66,12 @@ def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[Normalize, str]:
         first = -last
     ends = {(True, True): "both", (True, False): "min", (False, True): "max"}
     beyond = bool(finite.min() < first), bool(finite.max() > last)
-    return Normalize(first, last), ends.get(beyond, "neither")
+    return colors.Normalize(first, last), ends.get(beyond, "neither")
 
 
-def is_signed(norm: Normalize) -> bool:
+def is_signed(norm: colors.Normalize) -> bool:
     """Whether a scale has zero inside."""
-    return not isinstance(norm, LogNorm) and norm.vmin < 0 < norm.vmax
+    return not isinstance(norm, colors.LogNorm) and norm.vmin < 0 < norm.vmax
 
 
 class Grid(NamedTuple):
@@ -121,7 +109,7 @@ def make_grid(table: Table) -> Grid:
     (x, column), (y, line) = (
         np.unique(table.column(name), return_inverse=True) for name in table.axes()
     )
-    logs = tuple(has_log_axis(table, name) for name in table.axes())
+    logs = tuple(quantities.has_log_axis(table, name) for name in table.axes())
     return Grid(x, y, column * y.size + line, logs)
 
 
@@ -141,22 +129,23 @@ def object_to_grid(table: Table) -> str:
 @figure(
     "sweep",
     objection=lambda table: (
-        object_to_grid(table) or ("" if quantities_of(table) else "has no quantity to map")
+        object_to_grid(table)
+        or ("" if quantities.quantities_of(table) else "has no quantity to map")
     ),
 )
 def draw_maps(table: Table) -> Figure:
     """Maps of the quantities of a sweep over a grid of two parameters."""
-    grid, quantities = make_grid(table), quantities_of(table)
+    grid, shown = make_grid(table), quantities.quantities_of(table)
     names = " and ".join(map(name_of, table.axes()))
-    title = f"The motion over {names}{tell_rest(table)}"
-    figure, panels = panel_figure(table, title, len(quantities), *HEIGHTS)
+    title = f"The motion over {names}{quantities.tell_rest(table)}"
+    figure, panels = panel_figure(table, title, len(shown), *HEIGHTS)
     failed = ~ended_well(table.rows).to_numpy()
-    for quantity, axes in zip(quantities, panels, strict=True):
+    for quantity, axes in zip(shown, panels, strict=True):
         axes.patch.set(**BLANK)
         values = quantity.values(table.rows)
-        if is_words(values):
+        if quantities.is_words(values):
             head(axes, quantity.label)
-            classes = order_classes(values[~failed])
+            classes = quantities.order_classes(values[~failed])
             colours = COLOURS(np.linspace(0.05, 0.95, len(classes)))
             draw_classes(
                 axes, grid, values.where(~failed), dict(zip(classes, colours, strict=True))
@@ -203,8 +192,11 @@ def draw_classes(
 ) -> None:
     """A map of words in these colours, which a bar names; where there are others it is blank."""
     codes = words.map({name: float(code) for code, name in enumerate(colours)}).to_numpy(float)
-    norm = BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
-    cells, shades = np.ma.masked_invalid(grid.fill(codes)), ListedColormap([*colours.values()])
+    norm = colors.BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
+    cells, shades = (
+        np.ma.masked_invalid(grid.fill(codes)),
+        colors.ListedColormap([*colours.values()]),
+    )
     bar = draw_cells(axes, grid.edges(), cells, norm, colours=shades, **look)
     bar.set_ticks(range(len(colours)), labels=[name_of(name) for name in colours])
     bar.ax.tick_params(which="both", length=0)
@@ -221,7 +213,9 @@ def draw_numbers(
     after = f"; white: {quantity.none}" if none.any() else ""
     if none.any():
         blank = np.ma.masked_equal(grid.fill(none & ~failed), 0)
-        axes.pcolormesh(*grid.edges(), blank, cmap=ListedColormap(["white"]), rasterized=True)
+        axes.pcolormesh(
+            *grid.edges(), blank, cmap=colors.ListedColormap(["white"]), rasterized=True
+        )
     numbers = quantity.shown(np.where(none | failed, np.nan, numbers))
     norm, extend = scale_of(quantity, numbers)
     whole = np.ma.masked_invalid(grid.fill(numbers))
@@ -256,9 +250,9 @@ def draw_cells(
     axes: Axes,
     edges: Sequence[np.ndarray],
     cells: np.ma.MaskedArray,
-    norm: Normalize,
+    norm: colors.Normalize,
     extend: str = "neither",
-    colours: Colormap | None = None,
+    colours: colors.Colormap | None = None,
     **look: object,
 ) -> Colorbar:
     """Cells in the colours of a scale, with its bar."""
@@ -281,7 +275,7 @@ def label_axes(table: Table, grid: Grid, panels: list[Axes]) -> None:
     x_edges, y_edges = grid.edges()
     panels[0].set(xlim=(x_edges[0], x_edges[-1]), ylim=(y_edges[0], y_edges[-1]))
     for which, name, is_log in zip("xy", table.axes(), grid.logs, strict=True):
-        scale_panels(panels, which, table, name, is_log)
+        quantities.scale_panels(panels, which, table, name, is_log)
 
 
 def jumps(cells: np.ndarray) -> tuple[np.ndarray, float]:

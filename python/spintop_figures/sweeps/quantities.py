@@ -10,29 +10,15 @@ from matplotlib.axes import Axes
 from spintop_figures.style.axes import Places, name_axis, set_degree_ticks
 from spintop_figures.style.numbers import write, write_count
 from spintop_figures.style.page import is_left, is_lowest
-from spintop_figures.tables.names import (
-    axis_of,
-    column_name,
-    count_failures,
-    ended_well,
-    name_of,
-    unit_shown,
-)
+from spintop_figures.tables import names
 from spintop_figures.tables.table import Table
 
 ERRORS = {"log_over": 10, "floor": 1e-15}
 """Errors are compared by ratios, and 1e-15 is the rounding error of an angle or a relative one."""
 
 CLASSES = (
-    "loop",
-    "cusp",
-    "wave",
-    "steady",
-    "sleeping",
-    "hanging",
-    "separatrix",
-    "libration",
-    "circulation",
+    *("loop", "cusp", "wave", "steady", "sleeping", "hanging"),
+    *("separatrix", "libration", "circulation"),
 )
 """Classes of motion in the order in which they are drawn; others come after them."""
 
@@ -78,14 +64,14 @@ class Quantity(NamedTuple):
 def column_shown(table: Table, name: str) -> Quantity:
     """A column as a quantity, named by its meaning."""
     unit = table.units.get(name, "")
-    return of_column(name, column_name(name, table.meanings.get(name, "")), unit)
+    return of_column(name, names.column_name(name, table.meanings.get(name, "")), unit)
 
 
 def of_column(name: str, label: str = "", unit: str = "", **settings: object) -> Quantity:
     """A column as a quantity in the unit in which it is drawn."""
-    unit, factor = unit_shown(name, unit)
+    unit, factor = names.unit_shown(name, unit)
     values = (lambda rows: rows[name]) if factor == 1 else (lambda rows: factor * rows[name])
-    return Quantity((name,), label or column_name(name), unit, values, **settings)
+    return Quantity((name,), label or names.column_name(name), unit, values, **settings)
 
 
 QUANTITIES = (
@@ -170,7 +156,7 @@ def is_words(values: pd.Series) -> bool:
 
 def succeeded(table: Table) -> pd.DataFrame:
     """The cases that succeeded."""
-    return table.rows[ended_well(table.rows)]
+    return table.rows[names.ended_well(table.rows)]
 
 
 def order_classes(words: pd.Series) -> list[str]:
@@ -182,7 +168,7 @@ def order_classes(words: pd.Series) -> list[str]:
 def draw_class_ticks(axes: Axes, values: pd.Series, among: pd.Series) -> np.ndarray:
     """Name the classes among some values at the ticks of y; all values as their numbers."""
     classes = order_classes(among)
-    axes.set_yticks(range(len(classes)), labels=[*map(name_of, classes)])
+    axes.set_yticks(range(len(classes)), labels=[*map(names.name_of, classes)])
     return values.map({name: float(code) for code, name in enumerate(classes)}).to_numpy(float)
 
 
@@ -235,7 +221,7 @@ def scale_panels(
             set_degree_ticks(axis, table.column(name))
         is_named = is_lowest(axes) if which == "x" else is_left(axes) or steps
         if is_named:
-            name_axis(axis, axis_of(name), unit, plain=True, letters=letters)
+            name_axis(axis, names.axis_of(name), unit, plain=True, letters=letters)
         if steps and is_log:
             axis.set_minor_formatter("")
         if which == "x":
@@ -244,8 +230,8 @@ def scale_panels(
 
 def tell_failed(table: Table) -> str:
     """How many cases have a cross, and why."""
-    counts = count_failures(table.rows).items()
-    reasons = ", ".join(f"{write_count(count)} {name_of(status)}" for status, count in counts)
+    counts = names.count_failures(table.rows).items()
+    reasons = ", ".join(f"{write_count(count)} {names.name_of(status)}" for status, count in counts)
     return f" (crossed: {reasons})" if reasons else ""
 
 

@@ -19,18 +19,9 @@ from spintop_figures.style.axes import MANY_POINTS, Places, name_axis
 from spintop_figures.style.look import FAINT, FAULT, GROUND, OURS, by_width, lightness, tint
 from spintop_figures.style.numbers import write_count
 from spintop_figures.style.page import new_figure, no_axis
+from spintop_figures.sweeps import quantities
 from spintop_figures.sweeps.maps import COLOURS, SIGNED, is_signed, object_to_grid, scale_of
-from spintop_figures.sweeps.quantities import (
-    Quantity,
-    draw_class_ticks,
-    has_log_axis,
-    is_words,
-    order_classes,
-    quantities_of,
-    scale_panels,
-    succeeded,
-    tell_hidden,
-)
+from spintop_figures.sweeps.quantities import Quantity
 from spintop_figures.tables.names import axis_of, count_failures, name_of
 from spintop_figures.tables.table import Table
 
@@ -81,9 +72,9 @@ def make_cloud(table: Table, panels: int) -> Cloud:
 
     Of many cases they are a random sample, the same one each time; rare groups are complete.
     """
-    good = succeeded(table)
+    good = quantities.succeeded(table)
     words = good["motion_class"] if "motion_class" in good else pd.Series("", good.index)
-    classes = order_classes(words)
+    classes = quantities.order_classes(words)
     groups = [*(good[words == name] for name in classes), table.rows.drop(good.index)]
     share = min(1.0, MOST_CASES / len(table.rows))
     counts = [min(len(group), max(round(share * len(group)), LEAST_CASES)) for group in groups]
@@ -120,8 +111,12 @@ def varying(table: Table) -> list[str]:
 
 def telling(table: Table) -> list[Quantity]:
     """The quantities that have several values."""
-    rows = succeeded(table)
-    return [quantity for quantity in quantities_of(table) if quantity.values(rows).nunique() > 1]
+    rows = quantities.succeeded(table)
+    return [
+        quantity
+        for quantity in quantities.quantities_of(table)
+        if quantity.values(rows).nunique() > 1
+    ]
 
 
 @figure(
@@ -135,8 +130,8 @@ def telling(table: Table) -> list[Quantity]:
 )
 def draw_scatter(table: Table) -> Figure:
     """Points of a sweep over several parameters that is not a grid of two."""
-    names, quantities = varying(table), telling(table)
-    shown, told = names[: by_width(4, 2)], quantities[:6]
+    names, known = varying(table), telling(table)
+    shown, told = names[: by_width(4, 2)], known[:6]
     has_plane = len(names) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)
@@ -146,18 +141,18 @@ def draw_scatter(table: Table) -> Figure:
         for drawn, count, what in (
             (len(cloud.rows) + len(cloud.failed), len(table.rows), "random cases"),
             (len(shown), len(names), "parameters"),
-            (len(told), len(quantities), "quantities"),
+            (len(told), len(known), "quantities"),
         )
         if drawn < count
     ]
-    title += (f" ({'; '.join(parts)})" if parts else "") + tell_hidden(table)
+    title += (f" ({'; '.join(parts)})" if parts else "") + quantities.tell_hidden(table)
     figure = new_figure(table, title, 1.9 + max(1.45 * len(told), 3.0))
     key, field = figure.add_gridspec(2, 1, height_ratios=[0.2, len(told)])
     panels = field.subgridspec(len(told), across).subplots(squeeze=False)
     is_dense = len(cloud.layers) == 1 and len(cloud.rows) > 1500  # points would hide each other
     tint, densities = None, []
     if len(cloud.layers) == 1:  # no classes are to be told apart
-        values, is_log = table.rows[names[0]], has_log_axis(table, names[0])
+        values, is_log = table.rows[names[0]], quantities.has_log_axis(table, names[0])
         norm = (LogNorm if is_log else Normalize)(values.min(), values.max())
         label = axis_of(names[0]), table.units.get(names[0], "")
         tint = Tint(cloud.rows[names[0]], norm, label)
@@ -165,11 +160,18 @@ def draw_scatter(table: Table) -> Figure:
         heights = heights_of(quantity, cloud.rows)
         for axes, name in zip(row, shown, strict=False):
             if is_dense:
-                logs = has_log_axis(table, name), quantity.has_log_scale(heights.to_numpy())
+                logs = (
+                    quantities.has_log_axis(table, name),
+                    quantity.has_log_scale(heights.to_numpy()),
+                )
                 densities.append(draw_density(axes, cloud.rows[name], heights, logs))
             else:
                 draw_points(axes, cloud, name, heights, tint)
-            mark_failed(axes, cloud.failed[name].to_numpy(float))
+            if len(cloud.failed):  # ticks on the axis, below the points; many are fainter
+                axes.margins(y=0.12)
+                x, alpha = cloud.failed[name], np.clip(60 / len(cloud.failed), 0.25, 1.0)
+                style = {"transform": axes.get_xaxis_transform(), "linestyle": "", "alpha": alpha}
+                axes.plot(x, np.full(len(x), 0.035), **style, **RUG)
             scale_heights(axes, quantity, cloud.rows, heights, axes is row[0])
         if has_plane:
             draw_plane(row[-1], shown, cloud, quantity)
@@ -190,8 +192,8 @@ def draw_scatter(table: Table) -> Figure:
 def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
     """Where cases stand in the panels of a quantity; those of a class, about its line."""
     values = quantity.values(rows)
-    if is_words(values):
-        codes = {name: code for code, name in enumerate(order_classes(values))}
+    if quantities.is_words(values):
+        codes = {name: code for code, name in enumerate(quantities.order_classes(values))}
         # the golden ratio spreads them
         return values.map(codes) + 0.3 * (2 * ((5**0.5 - 1) / 2 * rows["case"] % 1) - 1)
     numbers = values.to_numpy(float)
@@ -232,24 +234,14 @@ def draw_points(axes: Axes, cloud: Cloud, name: str, heights: pd.Series, tint: T
         axes.scatter(rows[name], heights[rows.index], cloud.area, **look)
 
 
-def mark_failed(axes: Axes, x: np.ndarray) -> None:
-    """Ticks on the axis where cases failed, below the points."""
-    if x.size:
-        axes.margins(y=0.12)
-        # many are fainter: it is seen where most are
-        alpha = float(np.clip(60 / x.size, 0.25, 1.0))
-        style = {"transform": axes.get_xaxis_transform(), "linestyle": "", "alpha": alpha}
-        axes.plot(x, np.full_like(x, 0.035), **style, **RUG)
-
-
 def scale_heights(
     axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: pd.Series, is_first: bool
 ) -> None:
     """The scale of a quantity: names of classes, a log axis, or a line where its sign changes."""
     values, after = quantity.values(rows), ""
     axes.tick_params(which="both", labelleft=is_first)
-    if is_words(values):
-        draw_class_ticks(axes, values, values)
+    if quantities.is_words(values):
+        quantities.draw_class_ticks(axes, values, values)
         count = len(axes.get_yticks())
         axes.set_ylim(-0.5 - 0.1 * count, count - 0.4)
         axes.set_ylabel(textwrap.fill(quantity.label, LETTERS) if is_first else "")
@@ -270,7 +262,7 @@ def draw_plane(axes: Axes, names: list[str], cloud: Cloud, quantity: Quantity) -
     """The plane of two parameters: points coloured by a quantity, failed cases crossed."""
     x, y = names
     tint = None
-    if not is_words(quantity.values(cloud.rows)):
+    if not quantities.is_words(quantity.values(cloud.rows)):
         numbers = heights_of(quantity, cloud.rows)
         norm, extend = scale_of(quantity, numbers.to_numpy())
         tint = Tint(numbers, norm, shades=SIGNED if is_signed(norm) else SHADES)
@@ -284,12 +276,12 @@ def draw_plane(axes: Axes, names: list[str], cloud: Cloud, quantity: Quantity) -
 
 def scale_parameter(panels: Sequence[Axes], which: str, table: Table, name: str) -> None:
     """The same scale and limits wherever a parameter is on an axis, with room at the ends."""
-    values, is_log = table.column(name), has_log_axis(table, name)
+    values, is_log = table.column(name), quantities.has_log_axis(table, name)
     ends = np.array([values.min(), values.max()])
     ends = np.log(ends) if is_log else ends
     ends += 0.04 * np.ptp(ends) * np.array([-1, 1])
     ends = np.exp(ends) if is_log else ends
-    scale_panels(panels, which, table, name, is_log, ends, letters=16, steps=4)
+    quantities.scale_panels(panels, which, table, name, is_log, ends, letters=16, steps=4)
 
 
 def add_key(axes: Axes, cloud: Cloud, table: Table, tint: Tint | None) -> None:

@@ -14,15 +14,7 @@ from spintop_figures.style.axes import letters_of, name_axis, name_rows, set_deg
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, HIDDEN, LINES, by_width
 from spintop_figures.style.numbers import MINUS, write, write_count
 from spintop_figures.style.page import head, is_left, name_outer, panel_figure
-from spintop_figures.sweeps.maps import (
-    BLANK,
-    COLOURS,
-    HEIGHTS,
-    draw_cells,
-    is_signed,
-    mark_negative,
-    scale_of,
-)
+from spintop_figures.sweeps import maps
 from spintop_figures.sweeps.quantities import of_column, scale_panels
 from spintop_figures.tables.names import column_name, name_of, unit_shown
 from spintop_figures.tables.table import Table, TableError, read_table
@@ -103,7 +95,7 @@ def draw_means(table: Table) -> Figure:
     else:
         names.append("")
     share = "xy" if len(bins) == 2 else "x"
-    figure, panels = panel_figure(table, title, len(names), *HEIGHTS, share=share)
+    figure, panels = panel_figure(table, title, len(names), *maps.HEIGHTS, share=share)
     for name, axes in zip(names, panels, strict=True):
         if len(bins) == 2:
             draw_map(axes, table, bins, rows, name)
@@ -122,21 +114,21 @@ def is_even(cases: np.ndarray) -> bool:
 
 def draw_map(axes: Axes, table: Table, bins: list[Bins], rows: pd.DataFrame, name: str) -> None:
     """A map of a mean, or of the number of cases; bins without values are hatched."""
-    axes.patch.set(**BLANK)
+    axes.patch.set(**maps.BLANK)
     words, unit, factor = describe(table, name) if name else ("number of cases", "", 1.0)
     values = factor * rows[f"{name}_mean" if name else "cases"].to_numpy(float)
     after, extend, colours = "", "neither", None
     if name:
-        norm, extend = scale_of(of_column(f"{name}_mean"), values)
+        norm, extend = maps.scale_of(of_column(f"{name}_mean"), values)
     else:
         values = np.where(values > 0, values, np.nan)
         is_wide = np.isfinite(values).any() and np.nanmax(values) > 100 * np.nanmin(values)
-        norm, colours = LogNorm() if is_wide else Normalize(), COLOURS
+        norm, colours = LogNorm() if is_wide else Normalize(), maps.COLOURS
     cells = np.ma.masked_invalid(values.reshape(bins[1].middles.size, bins[0].middles.size))
-    bar = draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
-    if name and is_signed(norm):
+    bar = maps.draw_cells(axes, [each.edges for each in bins], cells, norm, extend, colours)
+    if name and maps.is_signed(norm):
         after = f"; {MINUS}:\u00a0below\u00a0zero"
-        mark_negative(axes, *(each.middles for each in bins), cells)
+        maps.mark_negative(axes, *(each.middles for each in bins), cells)
     head(axes, words, bar.ax.yaxis, unit, after)
 
 
@@ -174,7 +166,7 @@ def draw_distributions(table: Table) -> Figure:
         raise TableError("has no value in any column")
     names = [name for name in gathered(table) if name in found]
     title = f"Distributions over {tell_cases(table)}"
-    figure, panels = panel_figure(table, title, len(names), HEIGHTS[0], 3.0, share="")
+    figure, panels = panel_figure(table, title, len(names), maps.HEIGHTS[0], 3.0, share="")
     for name, axes in zip(names, panels, strict=True):
         draw_distribution(axes, table, name, found[name])
     return figure

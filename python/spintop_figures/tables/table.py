@@ -43,10 +43,10 @@ COLUMN = re.compile(r"(\S+?)(?:\s+\[(.*?)\])?:\s*(.*)")
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?|[+-]?inf|nan", re.IGNORECASE | re.ASCII)
 
 END = re.compile(r"(\d+) rows, CRC-32 ([0-9A-F]{8})")
-KEY = b"# end: "
-"""Begins the last line of a complete table, as in `# end: 20 rows, CRC-32 9C2E1F05`. The CRC-32 is
-zlib's, over all bytes from the line of names to the last line. In NetCDF the attribute `end` says
-the same of the rows as 64-bit numbers, row by row."""
+HEAD, END_KEY = re.compile(rb"(#.*\n)*"), b"\n# end: "
+"""The head of a table, and what begins the last line of a complete one, as in `# end: 20 rows,
+CRC-32 9C2E1F05`. The CRC-32 is zlib's, over all bytes from the line of names to the last line. In
+NetCDF the attribute `end` says the same of the rows as 64-bit numbers, row by row."""
 
 
 class TableError(Exception):
@@ -60,16 +60,13 @@ def printable(text: object) -> str:
     are none of the locale's encoding become `\\x1b`, `\\u202e` and the like.
     """
     text = str(text)
-    return text if text.isprintable() else "".join(map(escape, text))
-
-
-def escape(character: str) -> str:
-    """A character as Python would write it in a text, if it cannot be shown."""
-    if character.isprintable():
-        return character
-    if 0xDC80 <= ord(character) <= 0xDCFF:  # a byte of a file name
-        return f"\\x{ord(character) - 0xDC00:02x}"
-    return character.encode("unicode_escape").decode()
+    if text.isprintable():
+        return text
+    # bytes of a file name are surrogates, \\udc80 and above
+    escaped = (ascii(each)[1:-1].replace("udc", "x") for each in text)
+    return "".join(
+        own if own.isprintable() else other for own, other in zip(text, escaped, strict=True)
+    )
 
 
 @dataclass(frozen=True)
@@ -253,18 +250,14 @@ def problem_of_text(data: bytes) -> str | None:
 
     The answer is empty for a table that is as it was written.
     """
-    data = data.replace(b"\r\n", b"\n")
-    start = 0 if data.startswith(KEY) else data.rfind(b"\n" + KEY) + 1
-    if not data[start:].startswith(KEY):
+    before, end, said = data.replace(b"\r\n", b"\n").rpartition(END_KEY)
+    if not end:
         return None
-    last = data[start:].decode("ascii", errors="replace")
-    if last.count("\n") != 1 or not last.endswith("\n"):
+    if said.find(b"\n") != len(said) - 1:
         return 'was changed after it was written: lines follow the one that begins with "# end:"'
-    first = 0
-    while data[first : first + 1] == b"#":
-        first = data.index(b"\n", first) + 1
-    rows = sum(not line.startswith(b"#") for line in data[first:start].split(b"\n")[:-1]) - 1
-    return compare(last.removeprefix("# end: ").strip(), rows, zlib.crc32(data[first:start]))
+    rows = HEAD.sub(b"", before + b"\n", 1)
+    count = sum(not line.startswith(b"#") for line in rows.splitlines()) - 1
+    return compare(said.decode("ascii", errors="replace").strip(), count, zlib.crc32(rows))
 
 
 def compare(said: str, rows: int, crc: int) -> str:

@@ -29,7 +29,7 @@ def prepare(problem: Problem, method: str, step: float) -> tuple:
     turn = Rotation.from_quat(problem.quaternion, scalar_first=True)
     omega, arm = turn.apply(problem.omega), turn.apply(problem.arm)
     body = system.CreateRigidBody(
-        inertia=RigidBodyInertia(problem.mass, np.diag(problem.central_moments)),
+        inertia=RigidBodyInertia(problem.mass, np.array(problem.central)),
         nodeType=exu.NodeType.RotationRotationVector,
         referencePosition=arm, referenceRotationMatrix=turn.as_matrix(),
         initialVelocity=np.cross(omega, arm), initialAngularVelocity=omega,

@@ -2,8 +2,7 @@
 
 from comparing.answer import DECADES, Answer
 from comparing.bodies import problems
-from comparing.compiled import ask, define, make, version_of
-from comparing.problem import Problem
+from comparing.compiled import ask, define, make, solver, version_of
 
 METHODS = ("odeint_dopri5", "odeint_fehlberg78", "odeint_bulirsch_stoer")
 FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
@@ -12,11 +11,7 @@ BATCHES = ("odeint_fehlberg78_16",)
 BOOST = define("g++", "boost/version.hpp", "BOOST_LIB_VERSION").replace("_", ".")
 PROGRAM = make("g++", "odeint.cpp", ["-std=c++17"])
 VERSIONS = f"Boost {BOOST}, {version_of('g++')}"
-
-
-def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:
-    """Solve to a tolerance, absolute and relative."""
-    return ask(PROGRAM, [problem], 1, method, formulation, setting)
+solve = solver(PROGRAM)
 
 
 def solve_batch(t_end: float, every: int, method: str, setting: float) -> Answer:

@@ -1,9 +1,7 @@
 """spintop among the engines: the closed-form solution, and Taylor series at several tolerances."""
 
-import timeit
-
 import spintop
-from comparing.answer import Answer
+from comparing.answer import Answer, least_time
 from comparing.problem import Problem
 from spintop.library import library
 
@@ -21,16 +19,9 @@ def step(problem: Problem, method: str, setting: float) -> Answer:
                         gravity=problem.gravity)  # fmt: skip
     top = spintop.Top(body, quaternion=problem.quaternion, omega=problem.omega)
     times = [problem.t_end * i / problem.samples for i in range(problem.samples + 1)]
-    found: dict = {}
-
-    def run() -> None:
-        if method == "exact":
-            found["result"] = top.exact(times, COLUMNS)
-        else:
-            found["result"] = top.integrate(
-                times, COLUMNS, method=method, relative_tolerance=setting
-            )
-
-    seconds = min(timeit.repeat(run, number=1, repeat=5))
-    columns = [found["result"][name] for name in COLUMNS]
-    return Answer([[float(x) for x in y] for y in zip(*columns, strict=True)][1:], seconds)
+    keys = {"method": method, "relative_tolerance": setting}
+    move, keys = (top.exact, {}) if method == "exact" else (top.integrate, keys)
+    seconds = least_time(lambda: move(times, COLUMNS, **keys))
+    found = move(times, COLUMNS, **keys)
+    rows = zip(*(found[name] for name in COLUMNS), strict=True)
+    return Answer([[float(x) for x in row] for row in rows][1:], seconds)

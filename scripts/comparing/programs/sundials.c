@@ -20,14 +20,6 @@ static const double least_step = 1e-13; /* of the span: a solution that blows up
 
 typedef void (*rates_t)(const double *, const double *, double *);
 
-static const struct {
-    const char *name;
-    int states, constants;
-    rates_t rates;
-} formulations[] = {
-#define ENTRY(name, states, constants) {#name, states, constants, name},
-    FORMULATIONS(ENTRY)};
-
 struct problem {
     rates_t rates;
     double c[most_constants], start[most_states], t_end;
@@ -43,18 +35,6 @@ static void check(int flag, const char *what)
         return;
     fprintf(stderr, "%s returns %d\n", what, flag);
     exit(1);
-}
-
-/* Makes a context. From generation 7 on it is the context that is kept from printing errors, here as
- * there: what went wrong is in the returns. */
-static void create_context(SUNContext *context)
-{
-#if SUNDIALS_VERSION_MAJOR < 7
-    check(SUNContext_Create(NULL, context), "SUNContext_Create");
-#else
-    check(-abs(SUNContext_Create(SUN_COMM_NULL, context)), "SUNContext_Create");
-    check(-abs(SUNContext_ClearErrHandlers(*context)), "SUNContext_ClearErrHandlers");
-#endif
 }
 
 static int derivative(double t, N_Vector y, N_Vector dy, void *data)
@@ -114,20 +94,26 @@ int main(int count, char **argument)
     struct problem p = {0};
     SUNContext context;
     size_t constants = 0, states;
-    for (size_t i = 0; count == 7 && i < sizeof formulations / sizeof *formulations; ++i)
-        if (strcmp(argument[1], formulations[i].name) == 0) {
-            p.rates = formulations[i].rates;
-            p.states = formulations[i].states;
-            constants = (size_t)formulations[i].constants;
-        }
+#define CHOOSE(form, its_states, its_constants)                                                      \
+    if (count == 7 && strcmp(argument[1], #form) == 0) {                                             \
+        p.rates = form;                                                                              \
+        p.states = its_states;                                                                       \
+        constants = its_constants;                                                                   \
+    }
+    FORMULATIONS(CHOOSE)
     states = (size_t)p.states;
     if (!p.rates || fread(p.c, sizeof(double), constants, stdin) != constants ||
         fread(p.start, sizeof(double), states, stdin) != states)
         return 2;
     p.t_end = atof(argument[4]);
-    create_context(&context);
+    /* From generation 7 on it is the context that is kept from printing errors, here as there: what went wrong is in the returns. */
+#if SUNDIALS_VERSION_MAJOR < 7
+    check(SUNContext_Create(NULL, &context), "SUNContext_Create");
+#else
+    check(-abs(SUNContext_Create(SUN_COMM_NULL, &context)), "SUNContext_Create");
+    check(-abs(SUNContext_ClearErrHandlers(context)), "SUNContext_ClearErrHandlers");
+#endif
     p.y = N_VNew_Serial(p.states, context);
-    memcpy(N_VGetArrayPointer(p.y), p.start, states * sizeof(double));
     prepare(&p, strcmp(argument[2], "cvode_adams") ? CV_BDF : CV_ADAMS, atof(argument[3]), context);
     report(&p, least_time(run, &p, CLOCK_MONOTONIC));
     return 0;

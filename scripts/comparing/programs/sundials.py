@@ -1,8 +1,7 @@
 """SUNDIALS from C: CVODE by Adams and BDF formulas. Tables of ARKODE are methods of spintop."""
 
-from comparing.answer import DECADES, Answer
-from comparing.compiled import ask, define, make, version_of
-from comparing.problem import Problem
+from comparing.answer import DECADES
+from comparing.compiled import define, make, solver, version_of
 
 METHODS = ("cvode_adams", "cvode_bdf")
 FORMULATIONS = ("space_frame", "cayley_klein", "rigid_body")
@@ -24,8 +23,4 @@ FLAGS = [f"-lsundials_{name}" for name in LIBRARIES]
 FLAGS.append("-lsundials_generic" if NUMBER.startswith("6.") else "-lsundials_core")
 PROGRAM = make(COMPILER, "sundials.c", [*FLAGS, "-lm"])
 VERSIONS = f"SUNDIALS {NUMBER}, {version_of(COMPILER)}"
-
-
-def solve(problem: Problem, method: str, formulation: str, setting: float) -> Answer:
-    """Solve to a tolerance, absolute and relative."""
-    return ask(PROGRAM, [problem], 1, method, formulation, setting)
+solve = solver(PROGRAM)

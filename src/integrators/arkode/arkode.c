@@ -135,8 +135,8 @@ int spintop_arkode_name(int implicit, int i, char name[length_of_name]) {
     return *known != 0;
 }
 
-// The explicit or implicit table of a name in any case, or the usual one if that is empty, and whether it was found.
-void spintop_arkode_find(const char *name, int implicit, struct arkode_table *table, int *found) {
+// The explicit or implicit table of a name in any case, or the usual one if that is empty; if there is none it stays as it is.
+void spintop_arkode_find(const char *name, int implicit, struct arkode_table *table) {
     char known[length_of_name];
     int i = 1, is_known = 1;
     if (*name) {
@@ -146,7 +146,6 @@ void spintop_arkode_find(const char *name, int implicit, struct arkode_table *ta
     }
     ARKodeButcherTable its = 0;
     if (is_known) its = implicit ? ARKodeButcherTable_LoadDIRKByName(known) : ARKodeButcherTable_LoadERKByName(known);
-    *found = its != 0;
     if (!its) return;
     memset(table, 0, sizeof *table);
     table->implicit = implicit, table->stages = its->stages, table->order = its->q, table->embedded_order = its->p;

@@ -13,8 +13,8 @@ module spintop_events
     use spintop_body, only: body_t
     use spintop_bracket, only: bracket_t
     use spintop_kinds, only: dp, pi, is_equal, is_finite, cross
-    use spintop_constancy, only: find_constant, find_noise, greatest_fall_rate, margin, rounding_distance, time_of_start
-    use spintop_event, only: event_quantities_t, event_t, occasion_none, path_t
+    use spintop_event, only: event_quantities_t, event_t, find_constant, find_noise, greatest_fall_rate, margin, occasion_none, &
+        path_t, rounding_distance, time_of_start
     use spintop_loads, only: works
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t
@@ -86,7 +86,6 @@ module spintop_events
         procedure :: check
         procedure :: begin
         procedure :: find_events
-        procedure :: knows
         procedure :: record_occasion
     end type event_search_t
 
@@ -228,13 +227,6 @@ contains
         real(dp), intent(in) :: a, b !! ends of the interval, s
         is_short = b - a <= least_spacings * spacing(max(abs(a), abs(b)))
     end function is_short
-
-    !> Whether an occasion is one of the events.
-    pure logical function knows(self, occasion)
-        class(event_search_t), intent(in) :: self
-        integer, intent(in) :: occasion !! one of those of `spintop_event`
-        knows = any(self%events%occasion == occasion)
-    end function knows
 
     !> Records the events of an occasion, at the motion at that instant.
     subroutine record_occasion(self, occasion, motion, work)

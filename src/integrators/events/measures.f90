@@ -4,7 +4,7 @@ module spintop_measures
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: vertical_from_quaternion
     use spintop_kinds, only: dp, pi, no_number, is_zero, cross
-    use spintop_constancy, only: margin, rounding_distance
+    use spintop_event, only: margin, rounding_distance
     use spintop_motion, only: motion_t
     use spintop_nutation, only: class_circulation, class_cusp, class_libration, class_loop, class_steady, class_wave, nutation_t
     use spintop_pole_passages, only: half_turns

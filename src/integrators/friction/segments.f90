@@ -37,8 +37,9 @@ module spintop_segments
     !> A plane motion under drag turns where it slows down at least with this share of its largest deceleration: a
     !> motion that dies away does not.
     real(dp), parameter :: turning = 1.0e-6_dp
-    !> Steps to rest are limited to this share of the time left; a vector that changes by less than it is far from a reversal.
-    real(dp), parameter :: share = 0.5_dp
+    !> Steps to rest are limited to this share of the time left; a vector that changes by less than that share of it is far from a
+    !> reversal.
+    real(dp), parameter :: share_to_rest = 0.5_dp, small_change = 0.5_dp
 
     !> A time at which a vector reverses, or a row is passed, is found up to so many spacings of the time.
     real(dp), parameter :: spacings = 4
@@ -119,7 +120,7 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         half_way = huge(t)
         call set_motion(self, formulation, t, y)
-        if (self%seen%slowing > 0 .and. self%seen%speed > 0) half_way = t + share * self%seen%speed / self%seen%slowing
+        if (self%seen%slowing > 0 .and. self%seen%speed > 0) half_way = t + share_to_rest * self%seen%speed / self%seen%slowing
     end function half_way
 
     !> Notes whether friction holds a body that is at rest.
@@ -289,10 +290,11 @@ contains
             own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
             own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
             own%max_steps = given%max_steps
+            own%project = given%project
         end associate
         self%crossing%formulation => method%formulation
         self%crossing%t_begin = method%t_begin
-        self%crossing%projection = method%projection
+        self%crossing%invariants = method%invariants
     end subroutine begin
 
     !> Goes over to the next segment.
@@ -425,13 +427,13 @@ contains
         stepper%t = t
         stepper%y = y
         stepper%rest = 0
-        call stepper%projection%apply(stepper%formulation, stepper%y, changed)
+        call stepper%project(changed)
         call stepper%begin(status)
     end subroutine end_step_at
 
-    !> Whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series:
-    !> they change by less than `share` of their magnitude, as all terms of its series together are less. Then the step is also
-    !> shorter than half of the time to rest.
+    !> Whether the angular velocity, and the velocity on which drag depends, are far from any reversal in a step by series: all
+    !> terms of its series together are less than `small_change` of their magnitude. Then the step is also shorter than half of
+    !> the time to rest.
     subroutine check_direction(stepper, is_kept, speed)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         logical, intent(out) :: is_kept !! whether they are
@@ -445,8 +447,8 @@ contains
         if (stepper%formulation%action%has_load .or. .not. all(change < huge(change))) return
         span = stepper%t - stepper%t_last
         first = stepper%formulation%action%reach_of(stepper%t_last, stepper%y_last, span, change)
-        is_kept = first%change < share * min(first%speed, first%dragged)
-        if (.not. is_kept .and. first%change < share * first%speed) is_kept = .not. turns_back()
+        is_kept = first%change < small_change * min(first%speed, first%dragged)
+        if (.not. is_kept .and. first%change < small_change * first%speed) is_kept = .not. turns_back()
         if (.not. is_kept) return
         last = stepper%formulation%action%reach_of(stepper%t, stepper%y, 0.0_dp, change)
         speed = [first%speed, last%speed]

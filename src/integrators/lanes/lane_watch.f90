@@ -9,7 +9,7 @@ module spintop_lane_watch
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_bernstein, only: find_changes, find_roots, most_roots, multiply, multiply_slopes, refine_root, rounding, square
     use spintop_body, only: body_t
-    use spintop_constancy, only: driven_rate, greatest_fall_rate, margin, time_of_start
+    use spintop_event, only: driven_rate, greatest_fall_rate, margin, time_of_start
     use spintop_formulation, only: max_series_order
     use spintop_kernel_types, only: lane_body_t, per_binomial
     use spintop_kinds, only: dp, cross, pi, is_finite
@@ -498,7 +498,7 @@ contains
         if (.not. of_slope) call find_noise(self, run%c(:, :, 0), noise)
     end subroutine find_polynomials
 
-    !> The noise of a quantity: attitude and angular velocity are known to rounding (`spintop_constancy`).
+    !> The noise of a quantity: attitude and angular velocity are known to rounding (`spintop_event`).
     pure subroutine find_noise(self, c, noise)
         class(watched_t), intent(in) :: self
         real(dp), intent(in) :: c(lanes, rows)

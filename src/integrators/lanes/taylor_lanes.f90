@@ -19,7 +19,7 @@ module spintop_taylor_lanes
     use spintop_body_numbers, only: kinds_of
     use spintop_caller, only: stop_is_wanted
     use spintop_kinds, only: dp, qp, pi, is_finite
-    use spintop_constancy, only: margin, noise_of_tolerance, rounding_distance
+    use spintop_event, only: margin, noise_of_tolerance, rounding_distance
     use spintop_effects, only: kernel_effects
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_formulation, only: max_series_order

@@ -7,7 +7,7 @@ module spintop_dop853
     use, intrinsic :: iso_c_binding, only: c_double, c_int
     use spintop_kinds, only: dp, xp
     use spintop_fixed_step, only: fixed_step_t, advance_on_grid, begin_on_grid, longest_step
-    use spintop_formulation, only: formulation_info_t, max_aside, max_states
+    use spintop_formulation, only: max_aside, max_states
     use spintop_runge_kutta, only: stage_sum
     use spintop_status, only: is_ok, status_non_finite, status_ok, status_step_too_small
     use spintop_stepper, only: run_state_t, smallest_step
@@ -59,8 +59,6 @@ module spintop_dop853
         !> Terms of the dense output, once it was needed in the last step.
         real(dp) :: term(max_states, 8) = 0
         logical :: has_terms = .false.
-        !> Number of components in use: the error is their root mean square.
-        integer :: states = max_states
         !> Logarithm to base 2 of the error of the last step, in units of the tolerance.
         real(dp) :: last_error = least_error
     contains
@@ -211,12 +209,9 @@ contains
     subroutine begin(self, status)
         class(dop853_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        type(formulation_info_t) :: info
 
         self%has_terms = .false.
         self%last_error = least_error
-        info = self%formulation%info()
-        self%states = info%states
         call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call begin_on_grid(self, status)
         if (self%controls%steps == 0 .and. is_ok(status)) then
@@ -235,7 +230,7 @@ contains
 
         span = run%t_end - run%t
         h = span
-        allowed = run%weight%allowed(run%weight%scale, run%weight%scale)
+        allowed = run%weight%absolute + run%weight%relative * run%weight%scale
         size = norm2(run%weight%scale / allowed)
         steepness = norm2(run%slope / allowed)
         if (.not. steepness > 0) return
@@ -278,7 +273,7 @@ contains
             if (is_ok(status)) then
                 associate (w => self%weight)
                     error = c_sum(self%table%since(new_slope), main_stages, self%table%sums, self%k, self%y, self%rest, h, &
-                                  w%absolute, w%relative, self%states, by_last_error * self%last_error, by_error, &
+                                  w%absolute, w%relative, w%states, by_last_error * self%last_error, by_error, &
                                   change, y_new, growth)
                 end associate
                 if (.not. error <= huge(error)) status = status_non_finite
@@ -365,7 +360,6 @@ contains
         real(dp) :: y(max_states), s
         integer :: i
 
-        y = self%y
         if (.not. self%has_terms) call find_terms(self)
         s = (t - self%t_last) / (self%t - self%t_last)
         y = 0

@@ -156,7 +156,7 @@ contains
         call self%evaluate(self%t, self%y, self%slope, status)
         if (.not. is_ok(status)) return
         self%h = largest_share * (self%t_end - self%t_begin)
-        steepest = maxval(abs(self%slope) / self%weight%matlab_magnitude(self%y, self%y)) &
+        steepest = maxval(abs(self%slope) / max(abs(self%y), self%weight%threshold)) &
                    / (0.8_dp * self%controls%relative_tolerance**(1.0_dp / self%table%order))
         if (self%h * steepest > 1) self%h = 1 / steepest
     end subroutine begin_ode45
@@ -185,7 +185,7 @@ contains
             if (is_ok(status)) then
                 ! In units in which the relative tolerance is the limit.
                 error = h * maxval(abs(stage_sum(self%k, self%table%error, self%table%stages)) &
-                                   / self%weight%matlab_magnitude(self%y, y_new))
+                                   / max(abs(self%y), abs(y_new), self%weight%threshold))
                 if (.not. is_finite(error)) status = status_non_finite
             end if
             if (is_ok(status) .and. error <= self%controls%relative_tolerance) exit
@@ -218,7 +218,6 @@ contains
         class(ode45_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), s, weight(max_stages)
-        y = self%y
         s = (t - self%t_last) / (self%t - self%t_last)
         weight = matmul(s**[1, 2, 3, 4], self%table%dense)
         y = self%y_last + (self%t - self%t_last) &

@@ -4,7 +4,7 @@
 module spintop_sweep_study
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_errors, only: error_t, exit_failed, exit_ok
-    use spintop_files, only: host_name, replace_file, utc_now
+    use spintop_files, only: host_name, remove_file, replace_file, utc_now
     use spintop_job, only: compare_with_writer, job_t
     use spintop_kinds, only: dp
     use spintop_study, only: options_t, study_t
@@ -86,6 +86,7 @@ contains
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         class(row_table_t), allocatable :: table
         type(team_t) :: team
+        type(error_t), allocatable :: ignored
         integer(int64) :: cases(2), rows
         real(dp) :: began
 
@@ -97,6 +98,8 @@ contains
             call summary%headline(job%input%path // ': sweep -> ' // job%files%table)
             call summary%add('note', table%remark)
             call summary%add_failures('cases', table%counts)
+            ! The run that made it may have been killed while it renamed its log.
+            if (options%ranks%is_writer()) call remove_file(job%files%log // '.new', ignored)
             return
         end if
         began = seconds()

@@ -227,7 +227,7 @@ contains
         type(exact_path_t) :: path
         type(motion_t) :: motion
         real(dp) :: t_end, t_known, t, values(size(writer%chosen))
-        logical :: are_angles
+        logical :: are_angles, has_rows
         integer :: i, rows
 
         if (allocated(writer%path)) then
@@ -239,7 +239,9 @@ contains
         t_end = case%t_end
         t_known = t_end
         if (present(recorder)) then
-            call recorder%search_exactly(path, case, t_end, outcome%status)
+            ! No end is sought of a motion that has no first row: where it overflows the search would take all of its work.
+            has_rows = allocated(writer%asked) .or. writer%columns%is_defined(writer%columns%row(path%exact%at(0.0_dp)))
+            if (has_rows) call recorder%search_exactly(path, case, t_end, outcome%status)
             t_known = recorder%t
         end if
         ! The rows have a budget of their own.
@@ -249,11 +251,8 @@ contains
         path%counts_turns = writer%counts_turns
         are_angles = writer%columns%wants_angles_of(path%exact)
         do i = 1, rows
-            if (allocated(writer%asked)) then
-                t = writer%asked(i)
-            else
-                t = sample_time(t_end, rows, i)
-            end if
+            t = sample_time(t_end, rows, i)
+            if (allocated(writer%asked)) t = writer%asked(i)
             if (.not. is_ok(outcome%status) .and. t > t_known) exit
             if (are_angles) then
                 call writer%columns%find_exact_row(path%exact, t, values)

@@ -72,8 +72,7 @@ contains
         end do
         residual = 0
         do length = 1, order
-            residual = max(residual, maxval(abs(coefficient(2**length:2**(length + 1) - 1) &
-                                                - 1 / gamma(length + 1.0_dp))))
+            residual = max(residual, maxval(abs(coefficient(2**length:2**(length + 1) - 1) - 1 / gamma(length + 1.0_dp))))
         end do
 
     contains
@@ -133,8 +132,7 @@ contains
             call add_tree(weight * place**left, branches)
             do i = last, 1, -1
                 if (nodes(i) >= left) cycle
-                call plant(left - nodes(i) - 1, i, weight * twice(:, i), &
-                           branches * factor(i) / (nodes(i) * (nodes(i) + 1)))
+                call plant(left - nodes(i) - 1, i, weight * twice(:, i), branches * factor(i) / (nodes(i) * (nodes(i) + 1)))
             end do
         end subroutine plant
 

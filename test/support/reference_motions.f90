@@ -40,14 +40,12 @@ contains
             q = [0.7704694597489228848773808922812746_dp, 0.5778520948116921636580356692109560_dp, &
                  0.2407717061715384015241815288378983_dp, -0.1203858530857692007620907644189492_dp]
             omega(2) = 0.25_dp
-            known%floors = [4.57e-17_dp, 4.64e-17_dp, 5.94e-17_dp, 1.03e-16_dp, 2.06e-16_dp, 4.07e-16_dp, 8.79e-16_dp, &
-                            1.82e-15_dp]
+            known%floors = [4.57e-17_dp, 4.64e-17_dp, 5.94e-17_dp, 1.03e-16_dp, 2.06e-16_dp, 4.07e-16_dp, 8.79e-16_dp, 1.82e-15_dp]
         case ('k_poinsot_dzhanibekov')
             known%body = unit_body([1.0_dp, 2.0_dp, 3.0_dp], no_angles)
             q = [1.0_dp, 0.0_dp, 0.0_dp, 0.0_dp]
             omega = [1.0e-3_dp, 1.0_dp, 1.0e-3_dp]
-            known%floors = [5.45e-20_dp, 5.12e-20_dp, 5.74e-20_dp, 2.39e-19_dp, 4.20e-18_dp, 3.78e-18_dp, 2.74e-18_dp, &
-                            1.01e-16_dp]
+            known%floors = [5.45e-20_dp, 5.12e-20_dp, 5.74e-20_dp, 2.39e-19_dp, 4.20e-18_dp, 3.78e-18_dp, 2.74e-18_dp, 1.01e-16_dp]
         case ('damped_symmetric')
             known%body = unit_body([0.875_dp, 0.875_dp, 0.25_dp], [0.0_dp, 0.0_dp, 8.5_dp])
             known%body%damping = [0.0625_dp, 0.0625_dp, 0.015625_dp]

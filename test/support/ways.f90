@@ -82,8 +82,7 @@ contains
             stepper%controls%steps = fixed_steps
         end if
         span = span_of(way) * units%time
-        call integrate(formulation, stepper, body_in_units(body, units), start_in_units(start, units), span, [span], &
-                       seen, outcome)
+        call integrate(formulation, stepper, body_in_units(body, units), start_in_units(start, units), span, [span], seen, outcome)
         if (outcome%status == status_ok) last = seen%last()
     end subroutine follow
 

@@ -16,8 +16,8 @@ from spintop_figures.style.look import DEFAULT, the_look
 from spintop_figures.style.page import lay_out
 
 FORMULA = re.compile(r"\$[^$]*\$")
-RAW = re.compile(r"\b[a-z]\w*_\w+|\b[a-z]\w*\.[a-z]\w*|\b[a-z]\w+\(\d\)|e[-+]\d\d\b|\d-\d", re.I)
-"""Keys such as `at_rest`, `top.mass`, `omega(1)`, and numbers as programs write them."""
+RAW = re.compile(r"\b[a-z]\w*_\w+|\b[a-z]\w*\.[a-z]\w*|\b[a-z]\w+\(\d\)|e[-+]\d\d\b|\d-\d|\^", re.I)
+"""Keys such as `at_rest`, `top.mass`, `omega(1)`; numbers and powers as programs write them."""
 
 SLACK = 0.02
 """Texts may touch each other or the edge, in inches."""

@@ -105,11 +105,11 @@ def choose_figures(
         known = ", ".join(kind.name for kind in FIGURES)
         return [], [f"there is no figure {min(unknown)}; there are {known}"]
     wanted = [
-        kind for kind in FIGURES if (kind.name in names if names else kind.is_expected(table))
+        each for each in FIGURES if (each.name in names if names else each.is_expected(table))
     ]
-    refusals = {kind: kind.refusal(table) for kind in wanted}
-    good = [kind for kind in wanted if not refusals[kind]]
-    return good, [f"{refusals[kind]}: no {kind.name} figure" for kind in wanted if refusals[kind]]
+    found = [(kind, kind.refusal(table)) for kind in wanted]
+    problems = [f"{refusal}: no {kind.name} figure" for kind, refusal in found if refusal]
+    return [kind for kind, refusal in found if not refusal], problems
 
 
 def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> Figure:

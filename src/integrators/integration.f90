@@ -78,6 +78,8 @@ module spintop_integration
         !> Angles near those of the motion in the axes of the computation, rad.
         real(dp) :: near(3) = 0
         type(turn_counter_t) :: turns
+        !> Whether the last instant of these is complete, with the angular acceleration, for a body that may meet a pole.
+        logical :: knows_rate = .false.
         logical :: is_idle = .false.
         class(formulation_t), pointer :: formulation => null()
     end type follower_t
@@ -596,6 +598,7 @@ contains
         logical :: is_sure, meets_pole
 
         is_sure = .true.
+        meets_pole = .false.
         associate (formulation => self%formulation, turns => self%turns)
             if (.not. self%is_idle .and. turns%axes%differ) then
                 next = formulation%motion_without_angles(t, y)
@@ -606,7 +609,7 @@ contains
                 call formulation%kinematics(t, y, next%omega)
                 meets_pole = turns%may_meet_pole(next)
                 if (meets_pole) then
-                    call formulation%find_attitude(self%t, self%y, turns%last)
+                    if (.not. self%knows_rate) call formulation%find_attitude(self%t, self%y, turns%last)
                     call formulation%find_attitude(t, y, next)
                 end if
                 call turns%advance(next, is_sure, is_forced=.not. present(sure), meets_pole=meets_pole)
@@ -615,6 +618,7 @@ contains
         end associate
         if (present(sure)) sure = is_sure
         if (present(sure) .and. .not. is_sure) return
+        self%knows_rate = meets_pole
         self%t = t
         self%y = y
     end subroutine go_to

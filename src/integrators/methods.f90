@@ -6,14 +6,14 @@
 module spintop_methods
     use spintop_arkode, only: arkode_t, arkode_table, arkode_table_t
     use spintop_body, only: body_t
-    use spintop_dop853, only: dop853_t, dop853_table
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_group, structure_none, structure_quadruple, &
         structure_split
     use spintop_geometric, only: commutator_free_t, munthe_kaas_t, splitting_t, splitting_table
     use spintop_implicit_runge_kutta, only: gauss_table, implicit_runge_kutta_t, theta_table
     use spintop_kinds, only: dp, is_zero
     use spintop_motion, only: motion_t
-    use spintop_runge_kutta, only: ode45_t, classical_table, dormand_prince_table, explicit_table, runge_kutta_t
+    use spintop_runge_kutta, only: classical_table, dop853_t, dop853_table, dormand_prince_table, explicit_table, ode45_t, &
+        runge_kutta_t
     use spintop_status, only: is_ok, status_bad_controls, status_bad_projection, status_bad_samples, status_bad_span, &
         status_no_steps, status_no_structure, status_ok, status_stuck_at_turn, status_unknown_name, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t, project_invariants, project_nothing, project_unit, stepper_t

@@ -285,6 +285,13 @@ class MotionFiguresTest(TableCase):
         assert f"{row.estimate:.4f} rad/s" in words
         assert f"95 %: {row.lower:.4f} to {row.upper:.4f}" in words
 
+    def test_units(self) -> None:
+        """Powers of units are raised, in headings too."""
+        self.compute("mounted_sensor")
+        table = read_table(self.folder / "mounted_sensor.residuals.csv")
+        assert "m/s²" in draw_fit(table).axes[-2].get_title("right")
+        self.assert_good_look(table, "fit")
+
     def test_alone(self) -> None:
         """Without the table of the parameters there are no values, and the rest is drawn."""
         self.compute("fit")
@@ -338,6 +345,20 @@ class MotionFiguresTest(TableCase):
         np.testing.assert_array_equal(shown["potential energy"], table.rows["potential"])
         largest = max(np.nanmax(line.get_ydata()) for line in error.lines[:1])
         assert largest == table.rows["energy_error"].abs().max()
+
+    def test_works(self) -> None:
+        """Where an effect gives energy, works are lines that differ, with a legend above."""
+        effects = ("effects.torque_body=0,0,0.05", "effects.drag_moment=1e-6,1e-6,1e-6")
+        table = self.compute("damped_top", *effects, "span.samples=101", "output.columns=all")
+        energy = draw_account(table).axes[2]
+        shown = {line.get_label(): line for line in energy.lines}
+        for name in ("torques", "damping", "drag"):
+            work = shown[f"work of {name}"].get_ydata()
+            np.testing.assert_array_equal(work, table.rows[f"work_{name.removesuffix('s')}"])
+        np.testing.assert_array_equal(shown["energy"].get_ydata(), table.rows["energy"])
+        named = [shown[text.get_text()] for text in energy.get_legend().get_texts()]
+        assert len({(line.get_color(), line.get_linestyle()) for line in named}) == 5
+        self.assert_good_look(table, "account")
 
     def test_other_tables(self) -> None:
         kind = next(kind for kind in FIGURES if kind.name == "account")

@@ -16,7 +16,7 @@ from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, draw
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
 from spintop_figures.style.page import TIME, head, new_figure, no_axis
-from spintop_figures.tables.names import UNIT_WORDS, name_of, raised, sign_of
+from spintop_figures.tables.names import name_of, raised, sign_of
 from spintop_figures.tables.table import Table, TableError, converted, read_table
 
 ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
@@ -117,7 +117,7 @@ def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     below.axhspan(-2 * deviation, 2 * deviation, **BAND)
     below.axhline(0, color=GREY, linewidth=0.8)
     below.plot(t, left, **MEASURED)
-    size = " ".join(filter(None, (write(deviation, 2), UNIT_WORDS.get(unit, unit))))
+    size = " ".join(filter(None, (write(deviation, 2), raised(unit))))
     words = f"root mean square {size}"
     if outside.any():
         words += f" without {np.count_nonzero(outside)} outliers"

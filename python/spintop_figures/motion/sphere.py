@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
 from spintop_figures.kinds import figure
@@ -218,13 +217,11 @@ def draw_inset(axes: Axes, view: View) -> None:
     draw_seen(inset, tuple(rim), style, style | {"alpha": 0.4})
 
 
-def path_handles(views: Sequence[View], joined: Sequence[bool]) -> list[Line2D]:
-    """What the lines of paths are, for a legend of all of them."""
+def path_looks(views: Sequence[View], joined: Sequence[bool]) -> dict[str, dict]:
+    """How the lines of paths look, for a legend of all of them."""
     front, back = halves_of(any(joined))
-    looks = {"path": front}
-    if any(view.window >= 1 for view in views):
-        looks["on the far side"] = back
-    return [Line2D([], [], **style, label=name) for name, style in (looks | ENDS).items()]
+    far = {"on the far side": back} if any(view.window >= 1 for view in views) else {}
+    return {"path": front} | far | ENDS
 
 
 EDGE = {"color": look.GREY, "linewidth": 0.9, "linestyle": (0, (4, 2))}
@@ -287,15 +284,15 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
     figure, panels = panel_figure(tables, title, len(tables), row, 0, 0.8, **grid)
     drawn = [draw_tip(axes, table) for axes, table in zip(panels, tables, strict=True)]
     views, joined, nutates, told = zip(*drawn, strict=True)
-    handles = path_handles(views, joined)
+    looks = path_looks(views, joined)
     if any(nutates):
-        handles.append(Line2D([], [], **EDGE, label="minimum and maximum inclination"))
+        looks["minimum and maximum inclination"] = EDGE
     for axes, table, lines in zip(panels, tables, told, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
         alone = len(tables) == 1  # it has its title below the figure
         words = "\n".join([title] * (not alone) + lines)
         axes.set_title(words, loc="center", fontsize="small", pad=2)
-    legend_below(panels, handles, look.by_width(5, 2))
+    legend_below(panels, looks, look.by_width(5, 2))
     return figure
 
 
@@ -333,8 +330,8 @@ def draw_path(table: Table) -> Figure:
     draw_path_plane(side, (across, z), near, radius, joined)
     name_axes(side, ("x" if is_wide else "y", "m"), ("z", "m"))
     side.set_title("from $-y$" if is_wide else "from $+x$")
-    handles = path_handles([WHOLE], [joined])
-    legend_below([space], handles, look.by_width(len(handles), 2))
+    looks = path_looks([WHOLE], [joined])
+    legend_below([space], looks, look.by_width(len(looks), 2))
     return figure
 
 
@@ -406,13 +403,8 @@ def draw_cones(table: Table) -> Figure:
     globe.set_title("directions, at the start", loc="center")
     draw_cone_plane(body, in_body, BODY | {"linestyle": "-"}, "12", "in the body")
     draw_cone_plane(space, in_space, FRONT, "xy", "in space, from above")
-    handles = [
-        Line2D([], [], **BODY, label="cone of the body"),
-        Line2D([], [], **FRONT, label="cone in space"),
-        Line2D([], [], **TOUCH, label="where they touch"),
-        *(Line2D([], [], **style, label=name) for name, style in ENDS.items()),
-    ]
-    legend_below([globe], handles, look.by_width(5, 2))
+    looks = {"cone of the body": BODY, "cone in space": FRONT, "where they touch": TOUCH} | ENDS
+    legend_below([globe], looks, look.by_width(5, 2))
     return figure
 
 

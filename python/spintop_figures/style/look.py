@@ -126,10 +126,9 @@ class Options:
             return {}
         from matplotlib.style import library  # reads many files
 
-        if str(self.style) in library:
-            return dict(library[str(self.style)])
+        read, known = mpl.rc_params_from_file, library.get(str(self.style))
         try:
-            return dict(mpl.rc_params_from_file(self.style, use_default_template=False))
+            return dict(known or read(self.style, use_default_template=False))
         except OSError as error:
             cause = (error.strerror or str(error)).lower()
             raise ValueError(f"there is no style sheet {self.style}: {cause}") from None
@@ -168,10 +167,8 @@ def the_look(options: Options = DEFAULT) -> Iterator[None]:
     letters = options.font_size or sheet.get("font.size")
     letters = letters or max(8.0, LETTERS * options.inches() / WIDTH)  # they shrink a little
     set_colours(sheet, options.dark)
-    if options.dark:
-        sheet = {key: value for key, value in sheet.items() if not key.endswith("color")}
-    sizes = [key for key in SETTINGS if key.endswith(("labelsize", "titlesize", "fontsize"))]
-    kept = {key: value for key, value in sheet.items() if key not in sizes}
+    left_out = ("labelsize", "titlesize", "fontsize", *["color"] * options.dark)
+    kept = {key: value for key, value in sheet.items() if not key.endswith(left_out)}
     page = {"font.size": letters, "figure.figsize": (options.inches(), WIDTH)}
     page["axes.titlesize"] = 0.95 * letters
     for key in ("lines.linewidth", "lines.markersize"):

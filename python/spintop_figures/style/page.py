@@ -8,7 +8,7 @@ import math
 import os
 import textwrap
 import warnings
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
@@ -20,6 +20,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.lines import Line2D
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
@@ -160,8 +161,12 @@ def name_outer(panels: Sequence[Axes], x: Sequence[str] = (), y: Sequence[str] =
                 name_axis(axis, *name)
 
 
-def legend_below(panels: Sequence[Axes], handles: Sequence[Artist], columns: int) -> None:
-    """A legend in the foot of the grid of panels."""
+def legend_below(
+    panels: Sequence[Axes], handles: Sequence[Artist] | Mapping[str, dict], columns: int
+) -> None:
+    """A legend in the foot of the grid of panels: of lines, or of the looks of lines by name."""
+    if isinstance(handles, Mapping):
+        handles = [Line2D([], [], **style, label=name) for name, style in handles.items()]
     below = no_axis(panels[0].figure.add_subplot(panels[0].get_gridspec()[-1, :]))
     below.legend(handles=handles, loc="upper center", ncols=columns, handlelength=3)
 

@@ -46,12 +46,6 @@ UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""
 
 
-def unit_of_netcdf(text: str) -> str:
-    """A unit of a NetCDF table, in which UDUNITS knows the words, as tables of texts have it."""
-    own = {"degree": "deg", "revolution": "rev", "standard_free_fall": "g0"}
-    return "" if text == "1" else re.sub(r"^[^ */^]+", lambda word: own.get(word[0], word[0]), text)
-
-
 def unit_shown(column: str, unit: str) -> tuple[str, float]:
     """The unit in which a column is drawn, and the factor to it.
 

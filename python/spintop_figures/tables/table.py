@@ -17,13 +17,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
-from spintop_figures.tables.names import (
-    column_units,
-    unit_of_netcdf,
-    unit_shown,
-    units_of_columns,
-    words_of,
-)
+from spintop_figures.tables.names import column_units, unit_shown, units_of_columns, words_of
 
 if TYPE_CHECKING:
     from xarray import Variable
@@ -526,6 +520,12 @@ def table_of_netcdf(
     known["units"] = {name: unit_of_netcdf(unit) for name, unit in known["units"].items()}
     note = "" if said else NOTE
     return Table(**known, rows=pd.DataFrame(cells), status=status, stride=stride, note=note)
+
+
+def unit_of_netcdf(text: str) -> str:
+    """A unit of a NetCDF table, in which UDUNITS knows the words, as tables of texts have it."""
+    own = {"degree": "deg", "revolution": "rev", "standard_free_fall": "g0"}
+    return "" if text == "1" else re.sub(r"^[^ */^]+", lambda word: own.get(word[0], word[0]), text)
 
 
 def in_words(variable: "Variable", values: np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ module spintop_event
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
-    use spintop_dop853, only: dop853_table, dop853_table_t, main_stages
+    use spintop_runge_kutta, only: dop853_table, dop853_table_t, main_stages
     use spintop_effects, only: timeless_effects
     use spintop_kinds, only: dp, pi, is_finite
     use spintop_loads, only: works

@@ -17,7 +17,7 @@
 !> the polynomial between two rows, and goes on with it beyond them, so that its state there is right; a step of another method
 !> that leads across a row is wrong as a whole, and is taken again.
 module spintop_segments
-    use spintop_dop853, only: dop853_t, dop853_table
+    use spintop_runge_kutta, only: dop853_t, dop853_table
     use spintop_effects_action, only: direction_force, direction_omega, directions, reach_t, row_interval_t, turning_t
     use spintop_event, only: occasion_none, occasion_slip, occasion_stuck
     use spintop_fixed_step, only: grid_time

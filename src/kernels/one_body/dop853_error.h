@@ -1,5 +1,5 @@
-// The sums of the stages of a Runge-Kutta step with two embedded methods, and what they say of its error; see dop853.f90. In C
-// with vectors, as the stages themselves are found: from state to state this would be half of a step.
+// The sums of the stages of a Runge-Kutta step with two embedded methods, and what they say of its error; see runge_kutta.f90.
+// In C with vectors, as the stages themselves are found: from state to state this would be half of a step.
 
 // Weights of a stage in the change of the state, with the rounding error of that, and in the errors of the embedded methods.
 enum { by_change, by_rest, by_fifth, by_third, weights };

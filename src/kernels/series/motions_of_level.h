@@ -49,19 +49,19 @@ inlined void lanes_expand_with(const struct motion_kinds *has, int joins, int or
     lanes_expand(has, joins, order, e, &of, share, share_rest, c, x, 0);
 }
 
-static void expand_affected_lanes(int order, const struct motion_kinds *kinds, const double *constants, const double *t,
+static void expand_affected_lanes(int order, const struct motion_kinds *which, const double *constants, const double *t,
                                   const double *side, const double *state, const double *share, const double *share_rest,
                                   double *c, double *x) {
     const struct lanes_constants *const e = (const struct lanes_constants *)constants;
-    const struct motion_kinds any = {.rotor = kinds->rotor,
-                                     .frame = kinds->frame,
-                                     .torque = kinds->torque,
-                                     .push = kinds->push,
-                                     .drags = kinds->drags},
-                              *which = &any;
 #define expand_as(has, joins) lanes_expand_with(has, joins, order, e, t, side, state, share, share_rest, c, x)
     for_single_effects(build_kinds);
-    expand_as(which, 0);
+    // The others have no place in lanes.
+    const struct motion_kinds any = {.rotor = which->rotor,
+                                     .frame = which->frame,
+                                     .torque = which->torque,
+                                     .push = which->push,
+                                     .drags = which->drags};
+    expand_as(&any, 0);
 #undef expand_as
 }
 

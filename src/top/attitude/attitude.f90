@@ -97,11 +97,12 @@ contains
         !> Largest rotation angle for which half angles are compared directly, rad: they change by less than
         !> half a turn even if the axis passes a pole.
         real(dp), parameter :: largest_turn = pi / 2
-        !> A larger change of a half angle indicates a pole, rad.
+        !> A larger change of a half angle indicates a pole, rad: its cosine is negative, and larger in magnitude.
         real(dp), parameter :: sharp = 2
         !> A larger rotation is not followed: a step of this size does not resolve the turns.
         real(dp), parameter :: endless_turn = 1.0e4_dp
-        real(dp) :: turn, half(2), change(2), here(4), there(4), bend(2)
+        real(dp) :: turn, half(2), here(4), there(4), bend(2)
+        complex(dp), dimension(2) :: change, pair
         logical :: is_bent
         integer :: pieces, i
 
@@ -115,6 +116,7 @@ contains
         half = [angle(1) + angle(3), angle(1) - angle(3)] / 2
         pieces = max(1, ceiling(turn / largest_turn))
         here = q_last
+        pair = 1
         is_bent = .false.
         if (present(omega_rate)) is_bent = may_meet_pole(q_last, omega_last, q, omega, h)
         if (is_bent) then
@@ -133,14 +135,21 @@ contains
                 there = quaternion_product(q, turn_by(omega * (h * (i - pieces) / pieces)))
             end if
             change = half_angle_change(here, there)
-            half = half + change
-            sure = sure .and. all(abs(change) < sharp)
+            sure = sure .and. all(change%re > 0 .or. change%re**2 <= cos(sharp)**2 * (change%re**2 + change%im**2))
+            ! Two changes by less than a quarter of a turn are one by less than half a turn: one arctangent does.
+            if (mod(i, 2) == 0 .and. all(pair%re > 0 .and. change%re > 0)) then
+                pair = pair * change
+            else
+                half = half + argument_of(pair)
+                pair = change
+            end if
             if (sure .and. is_bent) then
                 sure = keeps_off(here(1:4:3), there(1:4:3), here(2:3), bend) &
                        .and. keeps_off(here(2:3), there(2:3), here(1:4:3), bend)
             end if
             here = there
         end do
+        half = half + argument_of(pair)
         angle = [half(1) + half(2), angle(2), half(1) - half(2)]
         ! At a pole one half angle does not exist; it starts anew.
         if (all(is_zero(q_last(1:4:3))) .or. all(is_zero(q_last(2:3)))) then
@@ -148,17 +157,21 @@ contains
         end if
     end subroutine follow_angles
 
-    !> Change of (phi + psi)/2 and (phi - psi)/2 between two attitudes, rad, each by less than half a turn;
-    !> zero where the half angle does not exist.
+    !> Changes of (phi + psi)/2 and (phi - psi)/2 between two attitudes, as complex numbers whose arguments they are, each by less
+    !> than half a turn; zero where the half angle does not exist.
     pure function half_angle_change(p, q) result(change)
         real(dp), intent(in) :: p(4), q(4)
-        real(dp) :: change(2)
-        real(dp) :: along(2), across(2)
-        along = [q(1) * p(1) + q(4) * p(4), q(2) * p(2) + q(3) * p(3)]
-        across = [q(4) * p(1) - q(1) * p(4), q(3) * p(2) - q(2) * p(3)]
-        change = 0
-        where (abs(along) + abs(across) > 0) change = atan2(across, along)
+        complex(dp) :: change(2)
+        change(1) = cmplx(q(1) * p(1) + q(4) * p(4), q(4) * p(1) - q(1) * p(4), dp)
+        change(2) = cmplx(q(2) * p(2) + q(3) * p(3), q(3) * p(2) - q(2) * p(3), dp)
     end function half_angle_change
+
+    !> Argument of a complex number, rad; zero of zero.
+    elemental real(dp) function argument_of(z)
+        complex(dp), intent(in) :: z
+        argument_of = 0
+        if (abs(z%re) + abs(z%im) > 0) argument_of = atan2(z%im, z%re)
+    end function argument_of
 
     !> Whether the axis is so close to a pole at one of two attitudes, or moves so far in between, that it may pass
     !> the pole or circle about it, or whether it is beside one. Each part of a quaternion moves at half the angular

@@ -56,11 +56,8 @@ static void expand_affected_lanes(int order, const struct motion_kinds *which, c
 #define expand_as(has, joins) lanes_expand_with(has, joins, order, e, t, side, state, share, share_rest, c, x)
     for_single_effects(build_kinds);
     // The others have no place in lanes.
-    const struct motion_kinds any = {.rotor = which->rotor,
-                                     .frame = which->frame,
-                                     .torque = which->torque,
-                                     .push = which->push,
-                                     .drags = which->drags};
+    const struct motion_kinds any = {
+        .rotor = which->rotor, .frame = which->frame, .torque = which->torque, .push = which->push, .drags = which->drags};
     expand_as(&any, 0);
 #undef expand_as
 }

@@ -189,6 +189,7 @@ def claimed(spin, integration):
     return [pair for name in NAMES for pair in rows[[name, f"{name}_error"]].to_numpy()]
 
 
+@pytest.mark.slow
 def test_every_method(spin):
     """A claim is 0.5 to 100 times the error, nearly always, and never below a tenth."""
     spin.write(tops(), "tops.csv")

@@ -374,6 +374,7 @@ class WordsTest(unittest.TestCase):
                     if of_quantity == 1:
                         assert named(study, kind) <= {*headings(figure)}
 
+    @pytest.mark.slow
     def test_units(self) -> None:
         """Neither its unit nor its prefix is that of the other one."""
         self.check(1e-5, 1.0)
@@ -542,6 +543,7 @@ class OtherUnitsTest(TableCase):
             units[new], meanings[new] = other["unit"], meanings.pop(name, "")
         return replace(table, rows=rows, units=units, meanings=meanings)
 
+    @pytest.mark.slow
     def test_units(self) -> None:
         """Every figure of columns, which are in another unit each time, has the same texts."""
         most = max(sum(of == unit for of, _ in column_units()) for unit in ("s", "rad", "m", "N"))

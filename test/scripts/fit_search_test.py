@@ -300,6 +300,7 @@ def test_mistakes_are_named(change, message: str) -> None:
     assert "/tmp" not in str(caught.value)
 
 
+@pytest.mark.slow
 def test_drawn_motions() -> None:
     """Most reach the truth within 4 standard errors, and what does not is not ok."""
     reached = 0

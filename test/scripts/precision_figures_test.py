@@ -7,6 +7,7 @@ import unittest
 import unittest.mock
 
 import numpy as np
+import pytest
 from matplotlib.colors import to_rgb
 
 from conftest import listed
@@ -143,6 +144,7 @@ class PrecisionFiguresTest(TableCase):
         texts = {text.get_text() for text in axes.texts}
         assert {"order", "1", "2", "4", "8"} <= texts
 
+    @pytest.mark.slow
     def test_every_set(self) -> None:
         """Two or three methods of one study, whose curves are short: the best have names."""
         table = self.read(a_precision())

@@ -201,13 +201,17 @@ def ask(name: str, *arguments: Any) -> Any:
 
 VARIABLE = "SPINTOP_LEVEL"
 """The variable of the environment that chooses a lower level, as for the program."""
-LINKER = "/lib64/ld-linux-x86-64.so.2"
-"""The dynamic linker of every x86-64 with glibc."""
+LINKER = re.compile(r"/\S+/ld-linux\S+")
+"""The dynamic linker of glibc, wherever a system has it, among the files of a process."""
 
 
 def levels() -> list[str]:
     """The levels of x86-64 that this processor has, from the lowest, as the dynamic linker says."""
-    said = subprocess.run([LINKER, "--help"], capture_output=True, text=True, check=False).stdout
+    linker = LINKER.search(Path("/proc/self/maps").read_text(errors="surrogateescape"))
+    if not linker:
+        raise ImportError("spintop is built for processors by their levels, which glibc tells")
+    asked = [linker[0], "--help"]
+    said = subprocess.run(asked, capture_output=True, text=True, check=False).stdout
     return sorted(re.findall(r"x86-64-(v\d) \(supported", said))
 
 

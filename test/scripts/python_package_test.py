@@ -22,7 +22,7 @@ import spintop
 from conftest import EXE, ROOT, Spin, each, execute, texts
 from manual.pages import Block, blocks_of
 from spintop.inputs import namelist
-from spintop.library import LINKER, chosen_folder, levels
+from spintop.library import chosen_folder, levels
 
 BODY = spintop.Body(mass=1, inertia=(0.875, 0.875, 0.25), length=0.75**0.5)
 TOP = spintop.Top(BODY, phi=0.3, theta=0.5, psi=-1.0, phi_rate=0.2, psi_rate=7.0)
@@ -279,8 +279,8 @@ class PythonPackageTest(unittest.TestCase):
 
     def test_levels(self) -> None:
         """Those that the dynamic linker names; each has its features in /proc/cpuinfo, too."""
-        if not Path(LINKER).exists():
-            self.skipTest("no x86-64 with glibc")
+        if os.uname().machine != "x86_64":
+            self.skipTest("no x86-64")
         text = Path("/proc/cpuinfo").read_text(encoding="ascii", errors="replace")
         words = set(re.search(r"^flags\s*: (.*)$", text, re.MULTILINE)[1].split())
         has = {level: words.issuperset(needed.split()) for level, needed in NEEDED.items()}
@@ -291,8 +291,11 @@ class PythonPackageTest(unittest.TestCase):
             ("", ""),
         ):
             done = subprocess.CompletedProcess((), 0, stdout=said)
-            with mock.patch("subprocess.run", return_value=done):
+            with mock.patch("subprocess.run", return_value=done) as run:
                 assert levels() == expected.split()
+            assert run.call_args[0][0][0] in Path("/proc/self/maps").read_text(encoding="utf-8")
+        with mock.patch("pathlib.Path.read_text", return_value="/usr/lib/ld-musl-x86_64.so.1\n"):
+            self.assertRaisesRegex(ImportError, "glibc", levels)
 
     def test_chosen_folder(self) -> None:
         """The highest level, or that of SPINTOP_LEVEL; a package without levels is one folder."""

@@ -510,9 +510,8 @@ def draw_choice(table: Table) -> Figure:
     axes.set_xticks(shown, labels=map(numbers.write, shown))
     axes.set_xticks([], minor=True)
     axes.set_xlim(1 / 1.04, edge)
-    name_rows(
-        axes, [f"{numbers.with_power('1', round(np.log10(target)))} rad" for target in targets]
-    )
+    powers = (round(np.log10(target)) for target in targets)
+    name_rows(axes, [f"{numbers.with_power('1', power)} rad" for power in powers])
     axes.set_ylabel("error")
     return figure
 
@@ -528,8 +527,7 @@ def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> N
         axes.plot(min(choice.ratio, edge / 1.03), height, **style)
     near = sum(choice.ratio <= NEAR for choice in choices)
     missed = sum(not np.isfinite(choice.ratio) for choice in choices)
-    words = f"{near} of {len(choices)} within {numbers.write(NEAR)}" + f", {missed} missed" * (
-        missed > 0
-    )
+    words = f"{near} of {len(choices)} within {numbers.write(NEAR)}"
+    words += f", {missed} missed" if missed else ""
     style = {"xycoords": axes.get_yaxis_transform(), "fontsize": "small", "color": GREY}
     axes.annotate(words, (0.99, place - 0.3), ha="right", **style)

@@ -171,9 +171,8 @@ def draw_curve(
     """A quantity of the cases that succeeded; a class of motion is a step, a sign change a line."""
     style = marks(x, "o", markersize=3) | LINES[0]
     if quantities.is_words(values):
-        numbers = np.where(
-            failed, np.nan, quantities.draw_class_ticks(axes, values, values[~failed])
-        )
+        ticks = quantities.draw_class_ticks(axes, values, values[~failed])
+        numbers = np.where(failed, np.nan, ticks)
         axes.plot(x, numbers, **style | {"linestyle": "", "marker": "o", "markersize": 3})
         axes.set_ylim(-0.5, len(axes.get_yticks()) - 0.5)
         head(axes, quantity.label)

@@ -53,9 +53,8 @@ def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[colors.Normalize, 
         return colors.Normalize(finite[0] - 1, finite[0] + 1), "neither"
     if quantity.has_log_scale(finite):
         above = finite[finite > 0]
-        return colors.LogNorm(
-            above.min(), above.max()
-        ), "min" if above.size < finite.size else "neither"
+        end = "min" if above.size < finite.size else "neither"
+        return colors.LogNorm(above.min(), above.max()), end
     # a hundredth may be beyond the bar if it would take more than half the range of the others
     low, high = np.percentile(finite, [1, 99])
     room = 0.5 * (high - low)
@@ -193,10 +192,8 @@ def draw_classes(
     """A map of words in these colours, which a bar names; where there are others it is blank."""
     codes = words.map({name: float(code) for code, name in enumerate(colours)}).to_numpy(float)
     norm = colors.BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours))
-    cells, shades = (
-        np.ma.masked_invalid(grid.fill(codes)),
-        colors.ListedColormap([*colours.values()]),
-    )
+    cells = np.ma.masked_invalid(grid.fill(codes))
+    shades = colors.ListedColormap([*colours.values()])
     bar = draw_cells(axes, grid.edges(), cells, norm, colours=shades, **look)
     bar.set_ticks(range(len(colours)), labels=[name_of(name) for name in colours])
     bar.ax.tick_params(which="both", length=0)
@@ -213,9 +210,8 @@ def draw_numbers(
     after = f"; white: {quantity.none}" if none.any() else ""
     if none.any():
         blank = np.ma.masked_equal(grid.fill(none & ~failed), 0)
-        axes.pcolormesh(
-            *grid.edges(), blank, cmap=colors.ListedColormap(["white"]), rasterized=True
-        )
+        white = colors.ListedColormap(["white"])
+        axes.pcolormesh(*grid.edges(), blank, cmap=white, rasterized=True)
     numbers = quantity.shown(np.where(none | failed, np.nan, numbers))
     norm, extend = scale_of(quantity, numbers)
     whole = np.ma.masked_invalid(grid.fill(numbers))

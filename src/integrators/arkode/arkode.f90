@@ -179,8 +179,11 @@ contains
     !> The table that is given, or the selected one.
     type(arkode_table_t) function table_of(self) result(table)
         class(arkode_t), intent(in) :: self
-        table = arkode_table(self%controls%table, self%info%implicit)
-        if (allocated(self%own)) table = self%own
+        if (allocated(self%own)) then
+            table = self%own
+        else
+            table = arkode_table(self%controls%table, self%info%implicit)
+        end if
     end function table_of
 
     !> Order of the table; 0 if there is none of the name that is selected.

@@ -1,4 +1,6 @@
-"""The package of spintop for Spack: repos/builtin/packages/spintop/package.py there."""
+"""The package of spintop for Spack: repos/spack_repo/builtin/packages/spintop/package.py there."""
+
+from spack_repo.builtin.build_systems.generic import Package
 
 from spack.package import *
 
@@ -19,6 +21,7 @@ class Spintop(Package):
     depends_on("fortran", type="build")
     depends_on("cmake@3.18:", type="build")
     depends_on("fpm@0.10:", type="build")
+    depends_on("gmake", type="build")
     depends_on("python@3.11:", type="build")
     depends_on("lapack")
     depends_on("blas")

@@ -65,6 +65,26 @@ def test_a_failed_build_names_the_log(checkout: Path) -> None:
     assert "build/release.log" in done.stderr
 
 
+def test_openblas_has_the_names_of_lapack_and_blas(checkout: Path) -> None:
+    """Where a cluster's module has it alone; a LAPACK that is there stays."""
+    libraries, programs = (checkout.parent / name for name in ("lib", "bin"))
+    libraries.mkdir(), programs.mkdir()
+    compiler = programs / "gfortran"
+    find = 'ls "${LIBRARY_PATH%%:*}/${1#*=}" 2>/dev/null || echo "${1#*=}"'
+    compiler.write_text(f"#!/bin/sh\n{find}\n", encoding="utf-8")
+    compiler.chmod(0o755)
+    library = libraries / "libopenblas.so"
+    library.touch()
+    there = {"PATH": f"{programs}:{os.environ['PATH']}", "LIBRARY_PATH": str(libraries)}
+    show = 'has_library lapack; echo "$LIBRARY_PATH"'
+    done = call(checkout, f"readlink build/openblas/*; {show}", **there)
+    named = f"{checkout / 'build/openblas'}:{libraries}"
+    assert done.stdout.splitlines() == [*[str(library)] * 2, named]
+    shutil.rmtree(checkout / "build")
+    (libraries / "liblapack.so").touch()
+    assert call(checkout, show, **there).stdout.splitlines() == [str(libraries)]
+
+
 def test_fpm_sees_no_examples(checkout: Path) -> None:
     """A user needs neither examples nor tests."""
     call(checkout, "run_fpm release new", SPINTOP_FPM=str(checkout.parent / "fpm"))

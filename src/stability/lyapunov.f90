@@ -7,7 +7,7 @@ module spintop_lyapunov
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_body, only: body_t
     use spintop_kinds, only: dp, is_finite, cross
-    use spintop_euler_poisson, only: euler_poisson_state, state_units
+    use spintop_euler_poisson, only: euler_poisson_rate, euler_poisson_state, state_units
     use spintop_integration, only: outcome_t
     use spintop_taylor_lanes, only: lane_monitor_t, monitor_slot_t, lane_order, lanes, taylor_lanes_t, integrate_many
     use spintop_lapack, only: dgesvd
@@ -30,13 +30,19 @@ module spintop_lyapunov
     !> Tolerance of motions that are integrated for the growth alone.
     real(dp), parameter :: own_tolerance = 1.0e-14_dp
 
+    !> The slope of a motion, in its scales, below which it is not one of the perturbations: its errors are those of the motion.
+    real(dp), parameter :: slow = 0.0625_dp
+
     !> Monitors perturbations: one that has no special direction, for the exponent; or all that keep the length of the
-    !> vertical, for the singular value: `tangents`. `set`, then hand it over.
+    !> vertical, for the singular value: `tangents`. One of these, the last, is the change along the motion, which is its slope and
+    !> need not be carried. `set`, then hand it over.
     type, extends(lane_monitor_t) :: growth_lanes_t
         !> Whether the singular value is found; whether the exponent is.
         logical :: is_singular = .false., has_exponent = .true.
         !> The perturbation of the exponent is the sum of all times this.
         real(dp), private :: share(5, lanes) = 0
+        !> The last perturbation is the slope of the motion times this, s; 0 where it is carried.
+        real(dp), private :: along(lanes) = 0
         type(tangent_lanes_t) :: tangents
         real(dp), private :: inertia(3, lanes) = 1, unit(6, lanes) = 1
     contains
@@ -58,6 +64,7 @@ contains
         self%is_singular = is_singular
         self%has_exponent = .not. is_singular
         if (present(with_exponent)) self%has_exponent = with_exponent .or. .not. is_singular
+        self%along = merge(1, 0, is_singular)
         tolerance = slack * max(controls%relative_tolerance, least_tolerance)
         call self%tangents%set(merge(5, 1, is_singular), tolerance, lane_order(tolerance), controls%max_steps)
     end subroutine set
@@ -69,7 +76,7 @@ contains
         integer, intent(in) :: lane !! index of the lane
         type(body_t), intent(in) :: body !! mass properties of the body
         type(motion_t), intent(in) :: start !! the motion at the start
-        real(dp) :: x(6), z(components, size(self%tangents%z, 3)), vectors(6, size(self%tangents%z, 3)), even(6)
+        real(dp) :: x(6), z(components, size(self%tangents%z, 3)), vectors(6, size(self%tangents%z, 3)), even(6), mirror(5)
         integer :: v
 
         x = euler_poisson_state(body, start)
@@ -78,6 +85,15 @@ contains
             self%inertia(:, lane) = body%inertia
             if (self%is_singular) then
                 call span_perturbations(x(1:3), unit, vectors)
+                mirror = matmul(euler_poisson_rate(body, x) / unit, vectors / spread(unit, 2, 5))
+                self%along(lane) = 0
+                if (norm2(mirror) > slow * run%now%scale(lane)) then
+                    ! Mirrored, so that the last one is that along the motion.
+                    self%along(lane) = -sign(1 / norm2(mirror), mirror(5))
+                    mirror(5) = mirror(5) + sign(norm2(mirror), mirror(5))
+                    mirror = mirror / norm2(mirror)
+                    vectors = vectors - 2 * spread(matmul(vectors, mirror), 2, 5) * spread(mirror, 1, 6)
+                end if
                 even = even_perturbation(x(1:3), unit) / unit
                 self%share(:, lane) = matmul(even / norm2(even), vectors / spread(unit, 2, size(vectors, 2)))
             else
@@ -90,6 +106,7 @@ contains
             z(1:3, v) = vectors(4:6, v) / body%inertia
             z(4:6, v) = cross(vectors(1:3, v), x(1:3))
         end do
+        if (abs(self%along(lane)) > 0) z(:, 5) = 0
         call self%tangents%load(run, lane, z)
     end subroutine begin
 
@@ -97,8 +114,26 @@ contains
     subroutine observe(self, run)
         class(growth_lanes_t), intent(inout) :: self
         type(taylor_lanes_t), intent(inout) :: run !! the lanes
+        integer :: i
+        associate (c => run%c, along => self%along)
+            do i = 1, lanes
+                if (.not. (abs(along(i)) > 0 .and. run%now%t(i) > run%now%t_last(i))) cycle
+                if (norm2([c(i, 4:6, 1), self%inertia(:, i) * c(i, 1:3, 1) / self%unit(4, i)]) > slow * run%now%scale(i)) cycle
+                call set_along(self, i, c(i, 1:3, 0), c(i, 1:3, 1))
+                along(i) = 0
+            end do
+            self%tangents%carried = size(self%tangents%z, 3) - merge(1, 0, all(abs(along) > 0))
+        end associate
         call self%tangents%propagate(run)
     end subroutine observe
+
+    !> Sets the last perturbation in a lane, the change along the motion.
+    pure subroutine set_along(self, lane, omega, omega_rate)
+        class(growth_lanes_t), intent(inout) :: self
+        integer, intent(in) :: lane
+        real(dp), intent(in) :: omega(3), omega_rate(3)
+        self%tangents%z(lane, :, 5) = scale(self%along(lane) * [omega_rate, omega], -self%tangents%doublings(lane))
+    end subroutine set_along
 
     !> The case in a lane is at its end.
     subroutine finish(self, run, lane, last, found)
@@ -115,6 +150,7 @@ contains
             found%exponent_status = self%tangents%status(lane)
             found%singular_status = found%exponent_status
             if (.not. is_ok(found%exponent_status)) return
+            if (abs(self%along(lane)) > 0) call set_along(self, lane, last%omega, last%omega_rate)
             do v = 1, size(vectors, 2)
                 z = self%tangents%z(lane, :, v)
                 vectors(:, v) = [cross(run%now%state(lane, 4:6), z(4:6)), self%inertia(:, lane) * z(1:3)] / self%unit(:, lane)

@@ -22,6 +22,8 @@ module spintop_tangent_lanes
     type :: tangent_lanes_t
         !> The perturbations (lane, component, number): delta, epsilon, across the vertical.
         real(dp), allocatable :: z(:, :, :)
+        !> Those from the first to this one are carried; the others must be zero.
+        integer :: carried = 0
         !> All of a lane are to be multiplied by 2 to this power.
         integer :: doublings(lanes) = 0
         !> `status_ok`, or why the perturbations of a lane ended.
@@ -42,20 +44,17 @@ contains
 
     !> Makes room for so many perturbations in each lane.
     subroutine set(self, number, tolerance, most_order, max_parts)
-        class(tangent_lanes_t), intent(inout) :: self
+        class(tangent_lanes_t), intent(out) :: self
         integer, intent(in) :: number !! number of perturbations
         real(dp), intent(in) :: tolerance !! of the last terms of a series, relative to the perturbations
         integer, intent(in) :: most_order !! order of the series, unless that of the motion is lower
         integer(int64), intent(in) :: max_parts !! number of steps and parts of steps for a case
-        if (allocated(self%z)) deallocate (self%z, self%next)
         allocate (self%z(lanes, components, number), source=0.0_dp)
         allocate (self%next, source=self%z)
+        self%carried = number
         self%tolerance = tolerance
         self%most_order = most_order
         self%max_parts = max_parts
-        self%status = status_ok
-        self%doublings = 0
-        self%parts = 0
     end subroutine set
 
     !> Begins perturbations in a lane.
@@ -65,6 +64,7 @@ contains
         integer, intent(in) :: lane !! index of the lane
         real(dp), intent(in) :: z(:, :) !! the perturbations: (delta, epsilon), one per column
         self%z(lane, :, :) = z
+        self%next(lane, :, :) = z
         call settle_lane(self, lane, run%now%state(lane, 4:6))
         self%doublings(lane) = 0
         self%parts(lane) = 0
@@ -101,7 +101,7 @@ contains
         real(dp), intent(out) :: excess(lanes)
         real(dp) :: whole(lanes), last(lanes)
         associate (now => run%now)
-            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, size(self%z, 3), self%z, &
+            call carry_tangents(min(self%most_order, run%order), now%body, c, duration, now%scale, self%carried, self%z, &
                                 self%next, whole, last)
         end associate
         self%whole = merge(whole, self%whole, duration > 0)

@@ -176,3 +176,54 @@ def gyroscope(rng: np.random.Generator) -> tuple:
     sought = ("top.inertia(1)", "top.inertia(3)", "initial.omega3", "initial.phi_rate")
     sigma = {"theta": 0.004, "phi": 0.004, "omega3": 0.5}
     return top, start, sigma, (*sought, "offset.theta"), {"theta": rng.uniform(-0.02, 0.02)}
+
+
+@dataclass
+class DrawnRuns:
+    """Runs of one wheel: their measurements, what all have in common and each for itself, starts.
+
+    `truth` has the true values in the order of the table, `each` where the search of the numbers of
+    each run begins.
+    """
+
+    data: list[dict[str, np.ndarray]]
+    truth: dict[str, float]
+    given: dict[str, Any]
+    each: dict[str, list[float]]
+    common: tuple[str, ...] = ("top.inertia(3)", "top.damping(3)")
+
+    def fit(self, **options: object) -> spintop.Result:
+        return spintop.fit(self.data, self.common, self.given, unknown_each=self.each, **options)
+
+
+def draw_runs(number: int, seed: int = 1, runs: int = 3) -> DrawnRuns:
+    """Spin-downs of a wheel by gyroscopes that have noise, a bias, spin and sampling of their own.
+
+    One in three has no `omega1`, and spins may differ by a factor of four. The search of the spin
+    begins at the first reading.
+    """
+    rng = np.random.default_rng([seed, number, runs])
+    along, damping = 3e-4 * rng.uniform(0.9, 1.1), 3e-4 / rng.uniform(10, 40)
+    top = WHEEL | {"inertia": (4e-4, 4e-4, along), "damping": (0.0, 0.0, damping)}
+    truth, data = {"top.inertia(3)": along, "top.damping(3)": damping}, []
+    each = {"initial.omega3": [], "initial.theta": [], "offset.omega2": []}
+    for run in range(1, runs + 1):
+        start = {"theta": rng.uniform(0.5, 1.5), "omega3": rng.uniform(60, 240)}
+        t_end = rng.uniform(1.5, 3)
+        t = np.linspace(rng.uniform(0, 0.02), t_end, int(t_end * rng.uniform(45, 90)))
+        columns = ("omega1", "omega2", "omega3")[run % 3 == 0 :]
+        bias, noise = rng.uniform(-0.5, 0.5), rng.uniform(0.02, 0.1)
+        motion = moved(top, start, t, columns)
+        data.append({"t": t})
+        for name in columns:
+            data[-1][name] = motion[name] + rng.normal(0, noise, t.size)
+        data[-1]["omega2"] += bias
+        truth[f"initial.omega3[{run}]"] = start["omega3"]
+        truth[f"initial.theta[{run}]"] = start["theta"]
+        truth[f"offset.omega2[{run}]"] = bias
+        each["initial.omega3"].append(data[-1]["omega3"][0])
+        each["initial.theta"].append(start["theta"] * (1 + rng.uniform(-OFF, OFF)))
+        each["offset.omega2"].append(0.0)
+    given = {"initial": {"theta": 1.0, "omega3": 100.0}}
+    given["top"] = top | {"inertia": (4e-4, 4e-4, 3e-4), "damping": (0.0, 0.0, 1.5e-5)}
+    return DrawnRuns(data, truth, given, each)

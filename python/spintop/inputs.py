@@ -125,10 +125,12 @@ def namelist(groups: Mapping[str, Group]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def plain(report: str, path: str = "") -> str:
-    """Messages without lines of a text that was made of groups, and without the path of a file."""
+def plain(report: str, *paths: str) -> str:
+    """Messages without lines of a text that was made of groups, and without the paths of files."""
     lines = []
-    for line in report.replace(f"{path}: ", "").splitlines() if path else report.splitlines():
+    for path in paths:
+        report = report.replace(f"{path}: ", "")
+    for line in report.splitlines():
         if placed := PLACED.fullmatch(line):
             lines.append(placed[1])
         elif not (shown := SHOWN.fullmatch(line)):
@@ -139,13 +141,13 @@ def plain(report: str, path: str = "") -> str:
 
 
 @contextmanager
-def without_places(given: Input, path: str = "") -> Iterator[None]:
+def without_places(given: Input, *paths: str) -> Iterator[None]:
     """Raise errors without places in a text that nobody wrote, if an input is given by groups."""
     try:
         yield
     except SpintopError as error:
         if isinstance(given, Mapping):
-            error.args = (plain(str(error), path),)
+            error.args = (plain(str(error), *paths),)
             error.source, error.line, error.column = "", 0, 0
         raise
 

@@ -121,7 +121,8 @@ class Table(Columns):
         self._owner = owner
         super().__init__(*described(table.columns, table.column_count))
         self.name = text_of(table.name)
-        """What it is: `rows`, `events`, `statistics`, `histogram`, `indices` or `residuals`."""
+        """What it is: `rows`, `events`, `statistics`, `histogram`, `indices` or `residuals`, of a
+        second run `residuals2`."""
         self.row_count = int(table.row_count)
         """Number of rows."""
         self.frame = text_of(table.frame)
@@ -242,8 +243,9 @@ class Result:
         for name in figures:
             mine = [table for table in tables if choose_figures(table, [name])[0]]
             found.update(plot((mine or tables)[0], name))
-        for table in () if figures else tables:
-            found.update(plot(table))
+        for name, table in () if figures else self._drawn.items():
+            run = name.removeprefix("residuals") if name.startswith("residuals") else ""
+            found.update({kind + run: figure for kind, figure in plot(table).items()})
         return found
 
     def animate(self) -> "Animation":

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from spintop.inputs import (
     Input,
     check_groups,
+    is_list,
     names_in,
     numbers,
     plain,
@@ -33,6 +34,8 @@ if TYPE_CHECKING:
 
 Progress = bool | Callable[[float], object]
 """True for a line on standard error, or a function of the share that is done, from 0 to 1."""
+Measurements = Mapping[str, ArrayLike]
+"""The columns of a run by their names."""
 PAUSE = 0.1
 """Seconds between two reports of the progress, and until a signal is handled at the latest."""
 
@@ -107,16 +110,16 @@ def run(
 
 
 def run_input(
-    given: Input, folder: str | Path | None, threads: int, progress: Progress, path: str = ""
+    given: Input, folder: str | Path | None, threads: int, progress: Progress, *paths: str
 ) -> Result:
-    """Run an input; messages of one by groups have no places in a text, and no path of a file."""
+    """Run an input; messages of one by groups have no places in a text, and no paths of files."""
     text, name = read_input(given)
     where = None if folder is None else str(folder)
-    with without_places(given, path):
+    with without_places(given, *paths):
         place = call("run", text, name, where, thread_count(threads), progress=progress)
     result = Result(place, name)
     if isinstance(given, Mapping):
-        result.warnings = plain(result.warnings, path)
+        result.warnings = plain(result.warnings, *paths)
     return result
 
 
@@ -227,11 +230,12 @@ def plot(table: "FileTable | str | Path", *names: str, **options: object) -> Fig
 
 
 def fit(
-    data: Mapping[str, ArrayLike],
+    data: Measurements | Sequence[Measurements],
     unknown: str | Sequence[str],
     given: Mapping[str, Mapping[str, Any]],
     *,
-    sigma: float | Sequence[float] | Mapping[str, ArrayLike] | None = None,
+    unknown_each: str | Sequence[str] | Mapping[str, Sequence[float] | None] = (),
+    sigma: float | Sequence[float] | Measurements | Sequence[Measurements] | None = None,
     profile: bool = True,
     progress: Progress = False,
 ) -> Result:
@@ -239,21 +243,31 @@ def fit(
 
     `data` has the times (s) and columns of trajectories, in their units, or in those that their
     names end in, as `{"t_ms": [...], "theta_deg": [...]}`; a pandas frame will do. `nan` is no
-    reading. `unknown` names the sought numbers, as `top.inertia(3)` or `offset.theta`; their values
-    in `given`, the groups of the input, are where the search begins. `sigma` is the standard
-    deviation of all columns or of each, in their units, in their order or by their names, where an
-    array has one per row; without it one that is common to all is estimated. The tables of the
-    result are `rows`, a row per parameter, and `residuals`, which `plot` of the result draws. It is
-    not `ok` if the search does not converge, the data do not determine the parameters, or the
-    motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups `sensor`
-    may stand in `given`. The `warnings` of the result say what is odd about the data and the
-    residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and intervals.
+    reading. A list of such has several runs of the body. `unknown` names the sought numbers, as
+    `top.inertia(3)` or `offset.theta`; their values in `given`, the groups of the input, are where
+    the search begins. `unknown_each` names those of which each run has its own, `initial.*` and
+    `offset.*`; a mapping gives each the values of the runs where the search begins. `sigma` is the
+    standard deviation of all columns or of each, in their units, in their order or by their names,
+    where an array has one per row; a list of such mappings has one for each run; without it each
+    column has its own, which is estimated. The tables of the result are `rows`, a row per
+    parameter, and `residuals`, of the second run `residuals2` ..., which `plot` of the result
+    draws. It is not `ok` if the search does not converge, the data do not determine the parameters,
+    or the motion does not explain the data. Other keys of the group `fit`, as `loss`, and groups
+    `sensor` may stand in `given`. The `warnings` of the result say what is odd about the data and
+    the residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and
+    intervals.
     """
-    check_groups(data, "data")
+    runs = [*data] if is_list(data) else [data]
+    named = [each for each in sigma if isinstance(each, Mapping)] if is_list(sigma) else []
+    by_run = named or [sigma] * len(runs)
+    if len(by_run) != len(runs):
+        raise InputError(f"sigma: {len(by_run)} for {len(runs)} runs", code=2)
     check_groups(given, "given")
-    columns = measurements(data, sigma)
-    known = None if isinstance(sigma, Mapping) else sigma
-    own = {"data": "", "unknown": names_in(unknown), "sigma": known, "profile": profile}
+    tables = [measurements(*each) for each in zip(runs, by_run, strict=True)]
+    known = None if named or isinstance(sigma, Mapping) else sigma
+    own: dict[str, Any] = {"data": (), "sigma": known, "profile": profile}
+    own |= {"unknown": names_in(unknown) or None, "unknown_each": names_in(unknown_each) or None}
+    own["start_each"] = [*unknown_each.values()] if isinstance(unknown_each, Mapping) else None
     scene = {name.lower(): keys for name, keys in given.items()}
     study, others = (
         {key.lower(): value for key, value in scene.get(name, {}).items()}
@@ -262,17 +276,19 @@ def fit(
     if twice := [key for key in own if key in others]:
         raise InputError(f"fit.{twice[0]} is an argument of fit", code=2)
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "measured.csv"
-        rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-        lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
-        path.write_text("\n".join(lines) + "\n", encoding="utf-8")
-        own["data"] = str(path)
+        for number, columns in enumerate(tables, 1):
+            path = Path(folder) / f"measured{number}.csv"
+            rows = zip(*(column.tolist() for column in columns.values()), strict=True)
+            lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+            path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+            own["data"] += (str(path),)
         scene |= {"study": study | {"kind": "fit"}, "fit": others | own}
-        return run_input(scene, None, 0, progress, str(path))
+        return run_input(scene, None, 0, progress, *own["data"])
 
 
-def measurements(data: Mapping[str, ArrayLike], sigma: Any) -> dict[str, np.ndarray]:
-    """The columns of measurements, of one length, and those of deviations given by their names."""
+def measurements(data: Measurements, sigma: Any) -> dict[str, np.ndarray]:
+    """The columns of a run, of one length, and those of deviations given by their names."""
+    check_groups(data, "data")
     time = find_column(data, "t", "s")[0]
     if not time:
         raise InputError("the measurements have no times: give t, in s from the start", code=2)

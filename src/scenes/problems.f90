@@ -79,13 +79,17 @@ contains
     end function any_warning
 
     !> Adds other problems.
-    subroutine add_all(self, other)
+    subroutine add_all(self, other, before)
         class(problems_t), intent(inout) :: self
         class(problems_t), intent(in) :: other !! they are added
+        character(*), intent(in), optional :: before !! prefix of each message
+        type(problem_t) :: problem
         integer :: i
         if (.not. allocated(other%list)) return
         do i = 1, size(other%list)
-            call append(self, other%list(i))
+            problem = other%list(i)
+            if (present(before)) problem%message = before // problem%message
+            call append(self, problem)
         end do
     end subroutine add_all
 

@@ -22,7 +22,8 @@ module spintop_scene_keys
     use spintop_text, only: join
     implicit none
     private
-    public :: scene_t, describe_scene, fit_scene_t, sensors_t, table_prefix, key_length, max_axes, max_list_axes, max_over
+    public :: scene_t, describe_scene, fit_scene_t, sensors_t, most_columns, most_runs, table_prefix, key_length, max_axes, &
+        max_list_axes, max_over
     public :: study_kinds, kind_trajectory, kind_sweep, kind_precision, kind_stability, kind_benchmark, kind_fit
     public :: reference_names, reference_auto, reference_exact, reference_quadruple
     public :: combination_names, combine_grid, combine_zip, combine_random, combine_latin_hypercube, combine_sobol, &
@@ -60,8 +61,8 @@ module spintop_scene_keys
         real(dp) :: omega3 = unset, omega(3) = unset
     end type uncertainty_scene_t
 
-    !> Maximum number of sought parameters, and of columns of measurements.
-    integer, parameter :: most_unknown = 16, most_columns = 16
+    !> Maximum number of sought parameters, of columns of measurements, and of runs of one body.
+    integer, parameter :: most_unknown = 16, most_columns = 16, most_runs = 32
 
     !> The groups &sensor: what is known of a measured column, one element each.
     type :: sensors_t
@@ -75,8 +76,11 @@ module spintop_scene_keys
 
     !> The contents of the group &fit.
     type :: fit_scene_t
-        character(256) :: data = ''
-        character(key_length) :: unknown(most_unknown) = ''
+        character(256) :: data(most_runs) = ''
+        !> The sought parameters that all runs have in common, and those of each run.
+        character(key_length) :: unknown(most_unknown) = '', unknown_each(most_unknown) = ''
+        !> Where the search of those of each run begins: parameters, runs.
+        real(dp) :: start_each(most_unknown, most_runs) = unset
         !> Where the sought parameters are searched, if the search is to be global.
         real(dp) :: from(most_unknown) = unset, to(most_unknown) = unset
         character(key_length) :: columns(most_columns) = ''
@@ -421,8 +425,12 @@ contains
         type(fit_scene_t), target, intent(inout) :: scene !! the group; it must exist as long as the table
         type(parameter_table_t), intent(inout) :: table !! the keys are added
 
-        call table%add('fit.data', scene%data, what='CSV table of measurements: t, and columns of trajectories')
+        call table%add('fit.data', scene%data, &
+                       what='CSV tables of measurements, one for each run: t, and columns of trajectories')
         call table%add('fit.unknown', scene%unknown, what='sought parameters; their values are where the search begins')
+        call table%add('fit.unknown_each', scene%unknown_each, what='sought parameters of which each run has its own')
+        call table%add('fit.start_each', scene%start_each, 'of fit.unknown_each', '', &
+                       'their values in the first run, the second ... where the search begins (those of the input)')
         call table%add('fit.from', scene%from, 'of fit.unknown', '', &
                        'lower ends of the ranges in which the parameters are sought, in their units (near their values)', &
                        elements=any_elements)

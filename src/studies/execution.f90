@@ -194,8 +194,8 @@ contains
         type(memory_run_t), intent(inout) :: run
         type(error_t), allocatable, intent(out) :: error
         type(string_t), allocatable :: lines(:)
-        character(:), allocatable :: statistics
-        integer :: first
+        character(:), allocatable :: statistics, name
+        integer :: first, i
 
         allocate (lines(0), run%table(0))
         call run_job(prepared%study, prepared%job, options, lines, run%code, error)
@@ -218,8 +218,10 @@ contains
             call add_table(statistics, 'statistics', run, error)
             if (job%statistics%is_wanted) call add_table(path_beside(statistics, 'histogram'), 'histogram', run, error)
             if (job%statistics%is_wanted) call add_table(path_beside(statistics, 'indices'), 'indices', run, error)
-            if (job%input%scene%kind == study_kinds(kind_fit)) call add_table(residual_path(job%files%table), 'residuals', run, &
-                                                                              error)
+            do i = 1, merge(count(job%input%scene%fit%data /= ''), 0, job%input%scene%kind == study_kinds(kind_fit))
+                name = residual_path('', i)
+                call add_table(residual_path(job%files%table, i), name(2:len(name) - len('.csv')), run, error)
+            end do
         end associate
     end subroutine run_in_files
 

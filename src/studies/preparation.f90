@@ -384,11 +384,14 @@ contains
         type(job_t), intent(in) :: job
         type(string_t), allocatable :: files(:)
         character(:), allocatable :: statistics
+        integer :: i
 
         call append(files, job%files%table)
         if (job%axes%cases > 0) call append(files, job%files%log)
         if (job%files%events /= '') call append(files, job%files%events)
-        if (job%input%scene%fit%data /= '') call append(files, residual_path(job%files%table))
+        do i = 1, count(job%input%scene%fit%data /= '')
+            call append(files, residual_path(job%files%table, i))
+        end do
         if (.not. job%statistics%is_wanted) return
         statistics = job%files%table
         if (job%files%statistics /= '') statistics = job%files%statistics
@@ -410,7 +413,9 @@ contains
             do i = 1, size(scene%tableaus)
                 call append(files, path_from(job%input%path, path_of_table(scene%tableaus(i)%key)))
             end do
-            if (scene%fit%data /= '') call append(files, path_from(job%input%path, scene%fit%data))
+            do i = 1, count(scene%fit%data /= '')
+                call append(files, path_from(job%input%path, scene%fit%data(i)))
+            end do
             if (all(reference_names /= scene%precision_reference)) then
                 call append(files, path_from(job%input%path, scene%precision_reference))
             end if

@@ -6,7 +6,7 @@ import numpy as np
 
 import python_library  # noqa: F401
 import spintop
-from drawn_fits import draw
+from drawn_fits import draw, draw_runs
 
 FITS = int(os.environ.get("SPINTOP_LONG_CASES", "10000"))
 TRUTH = {"top.inertia(1)": 0.875, "top.inertia(3)": 0.25, "initial.psi_rate": 14.0}
@@ -52,3 +52,24 @@ def test_drawn_fits() -> None:
             covered += ((rows["lower"] <= truth) & (truth <= rows["upper"])).tolist()
     assert reached >= 0.975 * DRAWN
     assert abs(np.mean(covered) - 0.95) < 0.02
+
+
+# Runs of one wheel, each with noise, a bias, a start and a sampling of its own.
+
+RUNS = int(os.environ.get("SPINTOP_LONG_CASES", "400"))
+
+
+def test_three_runs() -> None:
+    """Intervals of what is common and of what each run has cover the truth in 95 +- 2 %."""
+    covered = []
+    for number in range(RUNS):
+        case = draw_runs(number)
+        result = case.fit()
+        assert result.ok, (number, result.summary)
+        rows, truth = result.rows, np.array(list(case.truth.values()))
+        assert list(rows["parameter"]) == list(case.truth)
+        covered.append((rows["lower"] <= truth) & (truth <= rows["upper"]))
+    shares = np.mean(covered, axis=0)
+    print(f"{RUNS} fits of three runs: {shares.mean():.4f}", *(f"{each:.3f}" for each in shares))
+    assert abs(shares.mean() - 0.95) < 0.02
+    assert np.abs(shares - 0.95).max() < 4.5 * (0.95 * 0.05 / RUNS) ** 0.5

@@ -1,6 +1,7 @@
 """A fit: the measurements with the fitted motion, what is left between them, the values found."""
 
 import math
+import re
 import textwrap
 
 import numpy as np
@@ -19,7 +20,9 @@ from spintop_figures.style.page import TIME, head, new_figure, no_axis
 from spintop_figures.tables.names import name_of, raised, sign_of
 from spintop_figures.tables.table import Table, TableError, converted, read_table
 
-ENDING, FITTED, TABLE = "_residual", "_fit", ".residuals.csv"
+ENDING, FITTED = "_residual", "_fit"
+TABLE = re.compile(r"\.residuals(\d*)\.csv$")
+"""What ends the name of a table of residuals: that of the first run has no number."""
 
 PAIR, BELOW = 1.9, 1.2
 """Height of the panels of a column, and of what is below, in inches."""
@@ -37,9 +40,15 @@ def measured_columns(table: Table) -> list[str]:
     return [name.removesuffix(ENDING) for name in table.rows if name.endswith(ENDING)]
 
 
+def run_of(table: Table) -> int:
+    """The number of the run."""
+    found = TABLE.search(table.path.name)
+    return int(found[1] or 1) if found else 1
+
+
 def values_beside(table: Table) -> pd.DataFrame | None:
-    """The rows of the table of the parameters, if that of the residuals has it beside it."""
-    path = table.path.with_name(table.path.name.removesuffix(TABLE) + ".csv")
+    """The parameters of the run, if the table of the residuals has that of all beside it."""
+    path = table.path.with_name(TABLE.sub(".csv", table.path.name))
     other = table.others.get("rows")
     if not table.frame and path != table.path and path.exists():
         try:
@@ -47,7 +56,10 @@ def values_beside(table: Table) -> pd.DataFrame | None:
         except TableError:
             return None
     wanted = {"parameter", "unit", "estimate", "lower", "upper"}
-    return other.rows if other is not None and wanted <= {*other.rows} else None
+    if other is None or not wanted <= {*other.rows}:
+        return None
+    name, of_run = other.rows.parameter, f"[{run_of(table)}]"
+    return other.rows[~name.str.endswith("]") | name.str.endswith(of_run)]
 
 
 @figure("fit", "t", unless={"has no column of residuals": measured_columns})
@@ -63,7 +75,9 @@ def draw_fit(table: Table) -> Figure:
     beside = LINE * len(lines) + BELOW
     height = max(PAIR * down, 3.4 if down == 1 else 0, beside)
     height = by_width(height, PAIR * down + beside)
-    figure = new_figure(table, "Fit of a motion to measurements", 1.0 + height)
+    runs, run = table.settings.get("fit.data", []), run_of(table)
+    which = f", run {run}: {runs[run - 1]}" if 1 < len(runs) >= run else ""
+    figure = new_figure(table, f"Fit of a motion to measurements{which}", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
     if by_width(True, False):
         widths = [(drawn_width() - 2.2) / across] * across + [2.2]  # inches for the fitted values
@@ -136,7 +150,8 @@ def tell_values(values: pd.DataFrame) -> list[tuple[str, bool]]:
     """The fitted values in lines, of which those of names are bold."""
     lines = []
     for row in values.itertuples():
-        lines += [(line, True) for line in textwrap.wrap(name_of(row.parameter), LETTERS)]
+        name = name_of(row.parameter.partition("[")[0])
+        lines += [(line, True) for line in textwrap.wrap(name, LETTERS)]
         unit = raised(row.unit) if isinstance(row.unit, str) else ""
         size = abs(row.estimate)
         power = 0 if 1e-3 <= size < 1e5 or not size else 3 * math.floor(math.log10(size) / 3)

@@ -1,33 +1,32 @@
 !> Measurements of a motion: times, and readings of columns of trajectories, from a CSV table. The name of a column may end in a
 !> unit, as `theta_deg` does, which then is that of its readings, their standard deviations and residuals. Sensors
-!> have instants, axes, an offset and a scale. What a fit seeks are real numbers of the input, and those of sensors.
+!> have instants, axes, an offset and a scale. Each run of the body has a table.
 module spintop_fit_data
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_kinds, only: dp, is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
-    use spintop_job, only: job_t
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
-    use spintop_scene_keys, only: fit_scene_t, sensors_t
-    use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
+    use spintop_scene_keys, only: fit_scene_t
     use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, place_of, proof_group, study_column_t
     use spintop_text, only: abbreviate, escaped, join, to_text
     use spintop_trajectory_columns, only: trajectory_columns
     use spintop_units, only: convert_unit
     implicit none
     private
-    public :: measurements_t, read_measurements, columns_of_motion, read_sensors, find_unknown, key_of, gauss_nodes
+    public :: measurements_t, read_measurements, columns_of_motion, read_sensors, gauss_nodes
 
-    character(*), parameter :: key = 'fit.data'
     !> What follows the name of a column in that of its standard deviations, row by row.
     character(*), parameter :: sigma_mark = '_sigma'
     character(*), parameter :: time_column = 't', turn = 'turn'
 
-    !> Measurements, row by row.
+    !> The measurements of a run, row by row.
     type :: measurements_t
+        !> What precedes the names of its columns in messages: `run 2, FILE: `; empty if there is one run.
+        character(:), allocatable :: label
         !> The measured columns, and the angle by whose multiples their readings are not known; 0 for none.
         type(study_column_t), allocatable :: columns(:)
         real(dp), allocatable :: turn(:)
@@ -45,6 +44,7 @@ module spintop_fit_data
         logical :: knows_sigma = .false.
     contains
         procedure :: size => count_readings
+        procedure :: differences
     end type measurements_t
 
     !> Nodes and weights of a mean over an interval, of half width 1: those of Gauss and Legendre.
@@ -56,38 +56,98 @@ module spintop_fit_data
 contains
 
     !> Number of readings.
-    pure integer function count_readings(self) result(n)
+    elemental integer function count_readings(self) result(n)
         class(measurements_t), intent(in) :: self
         n = count(self%is_there)
     end function count_readings
 
-    !> Reads the measurements of a scene; what is wrong with them is a problem.
+    !> The readings less others, those of wrapped angles to the nearest turn; 0 where there is no reading.
+    pure function differences(self, readings)
+        class(measurements_t), intent(in) :: self
+        real(dp), intent(in) :: readings(:, :) !! columns, leading rows
+        real(dp) :: differences(size(readings, 1), size(readings, 2))
+        integer :: i
+        associate (rows => size(readings, 2))
+            differences = merge(self%values(:, :rows) - readings, 0.0_dp, self%is_there(:, :rows))
+            do i = 1, size(readings, 1)
+                associate (turn => self%turn(i))
+                    if (turn > 0) differences(i, :) = modulo(differences(i, :) + turn / 2, turn) - turn / 2
+                end associate
+            end do
+        end associate
+    end function differences
+
+    !> Reads the measurements of all runs of a scene; what is wrong with them is a problem.
     subroutine read_measurements(input, scene, measured, problems)
-        character(*), intent(in) :: input !! path of the input: that of the table is relative to it
+        character(*), intent(in) :: input !! path of the input: those of the tables are relative to it
         type(fit_scene_t), intent(in) :: scene !! the group of the input
-        type(measurements_t), intent(out) :: measured !! the measurements; without columns if there is a problem
+        type(measurements_t), allocatable, intent(out) :: measured(:) !! each run; without columns if there is a problem
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        type(problems_t) :: of_run
+        character(:), allocatable :: file
+        integer :: i
+
+        allocate (measured(count(scene%data /= '')))
+        if (size(measured) == 0) call problems%add('fit', 'there are no measurements', "give data = 'FILE.csv'")
+        do i = 1, size(measured)
+            file = trim(scene%data(i))
+            measured(i)%label = ''
+            if (size(measured) > 1) measured(i)%label = 'run ' // to_text(i) // ', ' // &
+                                                        escaped(file(index(file, '/', back=.true.) + 1:)) // ': '
+            of_run = problems_t()
+            call read_run(path_from(input, file), 'fit.data(' // to_text(i) // ')', scene, measured(i), of_run)
+            call problems%add_all(of_run, measured(i)%label)
+        end do
+        if (.not. problems%any()) call check_names(scene, measured, problems)
+    end subroutine read_measurements
+
+    !> Checks that the groups &sensor and `wrapped` name columns of some run, and that deviations are known of all or of none.
+    subroutine check_names(scene, measured, problems)
+        type(fit_scene_t), intent(in) :: scene
+        type(measurements_t), intent(in) :: measured(:)
+        type(problems_t), intent(inout) :: problems
+        integer :: i, run
+
+        do i = 1, size(scene%sensors%column)
+            if (scene%sensors%column(i) == '' .or. any([(any(measured(run)%sensor == i), run=1, size(measured))])) cycle
+            call problems%add('sensor.column(' // to_text(i) // ')', trim(scene%sensors%column(i)) // ' is not measured', &
+                              'name a column as the table does: ' // join(measured(1)%columns%name, ', '))
+        end do
+        do i = 1, size(scene%wrapped)
+            if (scene%wrapped(i) == '' .or. any([(place_of_wrapped(measured(run)%columns, scene%wrapped(i)) > 0, &
+                                                  run=1, size(measured))])) cycle
+            call problems%add('fit.wrapped(' // to_text(i) // ')', trim(scene%wrapped(i)) // ' is not a measured angle', &
+                              'name phi, psi or theta, if it is measured')
+        end do
+        if (any(measured%knows_sigma) .and. .not. all(measured%knows_sigma)) then
+            run = findloc(measured%knows_sigma, .false., dim=1)
+            call problems%add('fit', 'the standard deviations of run ' // to_text(run) // ' are not known', &
+                              'give sigma for all runs, or for none')
+        end if
+    end subroutine check_names
+
+    !> Reads the measurements of a run.
+    subroutine read_run(path, key, scene, measured, problems)
+        character(*), intent(in) :: path
+        character(*), intent(in) :: key !! the element of the input that names the table
+        type(fit_scene_t), intent(in) :: scene
+        type(measurements_t), intent(inout) :: measured !! without columns if there is a problem
+        type(problems_t), intent(inout) :: problems
         type(study_column_t), allocatable :: columns(:)
         type(error_t), allocatable :: error
         type(table_t) :: table
-        character(:), allocatable :: path
         real(dp), allocatable :: values(:)
         integer :: i
 
-        if (scene%data == '') then
-            call problems%add('fit', 'there are no measurements', "give data = 'FILE.csv'")
-            return
-        end if
-        path = path_from(input, scene%data)
         call read_table(path, table, error)
         if (.not. allocated(error)) call read_times(table, measured, error)
         if (allocated(error)) then
             call problems%add(key, error%message, 'its path is relative to the folder of the input')
             return
         end if
-        call check_times(escaped(path), scene, measured%t, problems)
+        call check_times(escaped(path), key, scene, measured%t, problems)
         if (problems%any()) return
-        call choose_columns(scene, table, columns, problems)
+        call choose_columns(key, scene, table, columns, problems)
         if (problems%any()) return
         allocate (measured%values(size(columns), size(measured%t)))
         do i = 1, size(columns)
@@ -104,10 +164,10 @@ contains
         end do
         allocate (measured%is_there, source=is_finite(measured%values))
         call find_sensors(scene, columns, measured, problems)
-        if (.not. problems%any()) call find_deviations(scene, table, columns, measured, problems)
-        if (.not. problems%any()) call check_sizes(measured, problems)
+        if (.not. problems%any()) call find_deviations(key, scene, table, columns, measured, problems)
+        if (.not. problems%any()) call check_sizes(key, measured, problems)
         if (.not. problems%any()) call move_alloc(columns, measured%columns)
-    end subroutine read_measurements
+    end subroutine read_run
 
     !> The times of the rows: the column `t`, or `t_ms` and the like.
     subroutine read_times(table, measured, error)
@@ -146,8 +206,8 @@ contains
     end function is_time
 
     !> Checks the times of the rows.
-    subroutine check_times(path, scene, t, problems)
-        character(*), intent(in) :: path
+    subroutine check_times(path, key, scene, t, problems)
+        character(*), intent(in) :: path, key
         type(fit_scene_t), intent(in) :: scene
         real(dp), intent(in) :: t(:)
         type(problems_t), intent(inout) :: problems
@@ -188,7 +248,8 @@ contains
     end subroutine check_times
 
     !> The measured columns: those named, or all but the time and standard deviations.
-    subroutine choose_columns(scene, table, columns, problems)
+    subroutine choose_columns(key, scene, table, columns, problems)
+        character(*), intent(in) :: key
         type(fit_scene_t), intent(in) :: scene
         type(table_t), intent(in) :: table
         type(study_column_t), allocatable, intent(out) :: columns(:)
@@ -268,10 +329,8 @@ contains
         do i = 1, size(scene%sensors%column)
             if (scene%sensors%column(i) == '') cycle
             k = place_of(columns, scene%sensors%column(i))
-            if (k == 0) then
-                call problems%add('sensor.column(' // to_text(i) // ')', trim(scene%sensors%column(i)) // ' is not measured', &
-                                  'name a column as the table does: ' // join(columns%name, ', '))
-            else if (measured%sensor(k) > 0) then
+            if (k == 0) cycle
+            if (measured%sensor(k) > 0) then
                 call problems%add('sensor.column(' // to_text(i) // ')', "column '" // trim(scene%sensors%column(i)) // &
                                   "' is named twice", 'give one group per column')
             else
@@ -280,19 +339,28 @@ contains
         end do
         do i = 1, size(scene%wrapped)
             if (scene%wrapped(i) == '') cycle
-            k = findloc(columns%name == scene%wrapped(i) .or. columns%quantity() == scene%wrapped(i), .true., dim=1)
-            if (k > 0) then
-                call convert_unit(turn, trim(columns(k)%unit), measured%turn(k), problem)
-                if (measured%sensor(k) > 0) measured%turn(k) = measured%turn(k) * abs(scene%sensors%scale(measured%sensor(k)))
-                if (problem == '') cycle
-            end if
-            call problems%add('fit.wrapped(' // to_text(i) // ')', trim(scene%wrapped(i)) // ' is not a measured angle', &
-                              'name phi, psi or theta, if it is measured')
+            k = place_of_wrapped(columns, scene%wrapped(i))
+            if (k == 0) cycle
+            call convert_unit(turn, trim(columns(k)%unit), measured%turn(k), problem)
+            if (measured%sensor(k) > 0) measured%turn(k) = measured%turn(k) * abs(scene%sensors%scale(measured%sensor(k)))
         end do
     end subroutine find_sensors
 
+    !> The measured angle of a name; 0 if there is none.
+    integer function place_of_wrapped(columns, name) result(k)
+        type(study_column_t), intent(in) :: columns(:)
+        character(*), intent(in) :: name
+        character(:), allocatable :: problem
+        real(dp) :: factor
+        k = findloc(columns%name == name .or. columns%quantity() == name, .true., dim=1)
+        if (k == 0) return
+        call convert_unit(turn, trim(columns(k)%unit), factor, problem)
+        if (problem /= '') k = 0
+    end function place_of_wrapped
+
     !> The standard deviations of the readings: of each row, if the table has them, or of columns.
-    subroutine find_deviations(scene, table, columns, measured, problems)
+    subroutine find_deviations(key, scene, table, columns, measured, problems)
+        character(*), intent(in) :: key
         type(fit_scene_t), intent(in) :: scene
         type(table_t), intent(in) :: table
         type(study_column_t), intent(in) :: columns(:)
@@ -347,21 +415,24 @@ contains
     end subroutine find_deviations
 
     !> Checks that squares of the readings over their standard deviations, and of small parts of them, are numbers.
-    subroutine check_sizes(measured, problems)
+    subroutine check_sizes(key, measured, problems)
+        character(*), intent(in) :: key
         type(measurements_t), intent(in) :: measured
         type(problems_t), intent(inout) :: problems
         real(dp), parameter :: most = 1.0e100_dp
+        character(:), allocatable :: of
         real(dp) :: largest, least_sigma, most_sigma
         integer :: i
 
+        of = key
+        if (measured%knows_sigma) of = 'fit.sigma'
         do i = 1, size(measured%sigma, 1)
             largest = maxval(abs(measured%values(i, :)), mask=measured%is_there(i, :))
             least_sigma = minval(measured%sigma(i, :))
             most_sigma = maxval(measured%sigma(i, :))
             if (largest / most <= least_sigma .and. most_sigma <= most * max(largest, 1 / most)) cycle
-            call problems%add(merge('fit.sigma', 'fit.data ', measured%knows_sigma), 'the largest measurement, ' // &
-                              to_text(largest) // ', is not comparable with a standard deviation of ' // &
-                              to_text(least_sigma), 'use the unit of the column')
+            call problems%add(of, 'the largest measurement, ' // to_text(largest) // ', is not comparable with a standard &
+                &deviation of ' // to_text(least_sigma), 'use the unit of the column')
             return
         end do
     end subroutine check_sizes
@@ -420,114 +491,5 @@ contains
             readings(i, :) = settings%sensors%offset(sensor(i)) + settings%sensors%scale(sensor(i)) * readings(i, :)
         end do
     end subroutine read_sensors
-
-    !> Finds the sought numbers.
-    subroutine find_unknown(job, measured, sought, problems)
-        type(job_t), target, intent(inout) :: job !! the job
-        type(measurements_t), intent(inout) :: measured !! the measurements; the sensors of the numbers are named
-        type(sensitivities_t), intent(inout) :: sought !! the numbers are added
-        type(problems_t), intent(inout) :: problems !! problems of the names are added
-        character(:), allocatable :: problem, hint
-        real(dp) :: value
-        integer :: i, key, found
-
-        found = 0
-        associate (fit => job%input%scene%fit)
-            do i = 1, size(fit%unknown)
-                if (fit%unknown(i) == '') cycle
-                if (is_of_sensor(fit%unknown(i))) then
-                    call find_sensor_number(trim(fit%unknown(i)), job, measured, sought, key, problem, hint)
-                else
-                    call sought%find_key(trim(fit%unknown(i)), job%input%table, job%axes, key, problem, hint)
-                end if
-                if (problem == '' .and. key <= found) then
-                    problem = trim(fit%unknown(i)) // ' is named twice'
-                    hint = 'name it once'
-                end if
-                if (problem == '') then
-                    value = sought%keys(key)%slot%get()
-                    if (is_set(fit%from(i)) .neqv. is_set(fit%to(i))) then
-                        problem = 'the range has one end only'
-                        hint = 'give both from and to'
-                    else if (is_set(fit%from(i)) .and. .not. (fit%from(i) <= value .and. value <= fit%to(i))) then
-                        problem = 'the value where the search begins is not in its range'
-                        hint = 'give a value from ' // to_text(fit%from(i)) // ' to ' // to_text(fit%to(i))
-                    end if
-                end if
-                if (problem /= '') call problems%add('fit.unknown(' // to_text(i) // ')', problem, hint)
-                found = max(found, key)
-            end do
-            if (all(fit%unknown == '')) call problems%add('fit', 'nothing is sought', "give unknown = 'top.inertia(3)' and the &
-                &like")
-        end associate
-    end subroutine find_unknown
-
-    !> Whether a name is that of a number of a sensor.
-    pure logical function is_of_sensor(name)
-        character(*), intent(in) :: name
-        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
-    end function is_of_sensor
-
-    !> The key of the input that contains a sought number: that of a group of a sensor has a short name.
-    function key_of(name, sensors) result(key)
-        character(*), intent(in) :: name !! the sought number, as `offset.theta` or `top.mass`
-        type(sensors_t), intent(inout) :: sensors !! the groups; one is taken for a column that has none
-        character(:), allocatable :: key
-        integer :: dot
-        key = name
-        if (.not. is_of_sensor(name)) return
-        dot = index(name, '.')
-        if (dot == 0) then
-            key = 'fit.' // name
-        else if (name == 'offset.t') then
-            key = 'fit.time_offset'
-        else
-            key = 'sensor.' // name(:dot - 1) // '(' // to_text(sensors%place_of(name(dot + 1:))) // ')'
-        end if
-    end function key_of
-
-    !> Adds a number of a sensor to those that are sought: `offset.theta`, `scale.theta`, `offset.t`, `mounting(1)`.
-    subroutine find_sensor_number(name, job, measured, sought, key, problem, hint)
-        character(*), intent(in) :: name
-        type(job_t), target, intent(inout) :: job
-        type(measurements_t), intent(inout) :: measured
-        type(sensitivities_t), intent(inout) :: sought
-        integer, intent(out) :: key !! its index
-        character(:), allocatable, intent(out) :: problem, hint
-        type(sensitive_key_t) :: found
-        character(:), allocatable :: column
-        integer :: k
-
-        key = 0
-        hint = 'name a measured column, as in offset.theta'
-        found%name = name
-        found%unit = ''
-        if (index(name, 'mounting(') == 1) then
-            found%unit = 'rad'
-        else if (name == 'offset.t') then
-            found%unit = 's'
-        else
-            column = name(index(name, '.') + 1:)
-            problem = column // ' is not measured'
-            k = 0
-            if (allocated(measured%columns)) k = place_of(measured%columns, column)
-            if (k == 0) return
-            if (index(name, 'offset.') == 1) then
-                found%unit = trim(measured%columns(k)%unit)
-            else if (measured%turn(k) > 0) then
-                problem = 'the turns of ' // column // ' are not known, and tell its scale'
-                hint = 'give sensor.scale: the readings of a turn over the turn'
-                return
-            end if
-            measured%sensor(k) = job%input%scene%fit%sensors%place_of(column)
-        end if
-        call job%input%table%find_number(key_of(name, job%input%scene%fit%sensors), found%slot, problem)
-        if (problem /= '') return
-        if (.not. allocated(sought%keys)) allocate (sought%keys(0))
-        do key = 1, size(sought%keys)
-            if (sought%keys(key)%slot%is_same(found%slot)) return
-        end do
-        sought%keys = [sought%keys, found]
-    end subroutine find_sensor_number
 
 end module spintop_fit_data

@@ -4,7 +4,6 @@
 !> What is odd about the measurements is told before.
 module spintop_fit_search
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_case, only: case_t
     use spintop_fit_data, only: measurements_t
     use spintop_fit_model, only: fit_model_t
     use spintop_kinds, only: dp, pi
@@ -19,8 +18,7 @@ module spintop_fit_search
     use spintop_text, only: to_text, append, string_t
     implicit none
     private
-    public :: search_t, search_minimum, finish_search, first_rows, period_of, far_above, check_measurements, judgement_t, &
-        judge
+    public :: search_t, search_minimum, finish_search, far_above, check_measurements, judgement_t, judge
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
@@ -47,8 +45,6 @@ module spintop_fit_search
         !> The loss, the largest number of starts, and whether it begins with the first rows.
         integer :: kind = 1, most = 1
         logical :: has_windows = .true.
-        !> Period of the motion where the search begins, s.
-        real(dp) :: period = 0
         !> Starts and windows that were tried, and all evaluations and steps.
         integer :: searches = 1, windows = 0, evaluations = 0, steps = 0
         !> Where the searches of all rows began and ended, and the best of their ends with what the model was there.
@@ -56,9 +52,9 @@ module spintop_fit_search
         type(minimum_t) :: best
         real(dp) :: least_misfit = 0
         type(loss_t) :: loss
-        real(dp), allocatable :: sigma(:, :)
-        logical :: is_mirrored = .false.
-        !> Span of the first window, s.
+        type(measurements_t), allocatable :: measured(:)
+        logical, allocatable :: is_mirrored(:)
+        !> Span of the first window, of the run with the shortest one, s.
         real(dp) :: first_span = 0
     end type search_t
 
@@ -98,13 +94,6 @@ module spintop_fit_search
 
 contains
 
-    !> A period of the motion: that of the rotation or of small oscillations, the smaller one, s.
-    real(dp) function period_of(case) result(period)
-        type(case_t), intent(in) :: case !! body and start
-        period = 2 * pi / max(norm2(case%start%omega), sqrt(norm2(case%body%weight_moment()) / minval(case%body%inertia)), &
-                              tiny(period))
-    end function period_of
-
     !> Finds the parameters that explain the measurements: the best minimum of those to which all rows lead from the start, and
     !> windows of rows, and if these do not explain the measurements, others. The model is that of the best one then.
     subroutine search_minimum(model, start, search, minimum)
@@ -118,12 +107,12 @@ contains
         integer :: i, k
 
         allocate (search%places(size(start), 0))
-        search%first_span = maxval(model%measured%t) - minval(model%measured%t)
+        search%first_span = shortest_span(model)
         call search_from(model, start, merge(growth, at_once, search%has_windows), search)
         if (search%has_windows) then
             ! What the windows led away from: what all rows lead to at once; and windows that grow slowly.
-            if (.not. model%is_mirrored) then
-                call minimize(model, start, model%measured%size(), spread(.true., 1, size(start)), other, direct_goal, &
+            if (.not. any(model%is_mirrored)) then
+                call minimize(model, start, size(model%data), spread(.true., 1, size(start)), other, direct_goal, &
                               most=direct_steps * (size(start) + 1))
                 search%evaluations = search%evaluations + other%evaluations
                 search%steps = search%steps + other%steps
@@ -159,35 +148,47 @@ contains
         real(dp), intent(in) :: growth !! of the windows
         type(search_t), intent(inout) :: search
         real(dp) :: x(size(place))
-        integer :: rows
+        integer :: rows(size(model%measured)), all_rows(size(model%measured)), run
 
         x = place
-        if (model%is_mirrored) call model%mirror(x)
+        call model%mirror(x, [model%is_mirrored])
         x = place
-        associate (t => model%measured%t, all_rows => size(model%measured%t))
-            rows = all_rows
-            if (growth < at_once) rows = first_rows(model, search%period, size(place))
-            if (growth < at_once) search%first_span = t(rows) - t(1)
+        if (growth < at_once) then
+            all_rows = model%rows
+            rows = [(first_rows(model, run), run=1, size(rows))]
+            call model%use_rows(rows)
+            search%first_span = shortest_span(model)
             ! Window by window to a place from which all rows lead to a minimum.
-            do while (growth < at_once)
+            do
                 call search_in_window(model, rows, place, x, search)
-                if (rows == all_rows) exit
-                model%share = max(model%share, 0.5_dp * (search%searches - 1 + real(rows, dp) / all_rows) / search%most)
-                rows = min(max(count(t - t(1) <= growth * (t(rows) - t(1))), rows + 1), all_rows)
+                if (all(rows == all_rows)) exit
+                model%share = max(model%share, 0.5_dp * (search%searches - 1 + real(sum(rows), dp) / sum(all_rows)) / search%most)
+                do run = 1, size(rows)
+                    associate (t => model%measured(run)%t)
+                        rows(run) = min(max(count(t - t(1) <= growth * (t(rows(run)) - t(1))), rows(run) + 1), all_rows(run))
+                    end associate
+                end do
             end do
-        end associate
-        call model%use_rows(size(model%measured%t))
+        end if
+        call model%use_all_rows()
         call finish_at(model, x, search)
-        if (model%is_at_pole(x)) then
-            call model%mirror(x)
+        if (any(model%is_at_pole(x))) then
+            call model%mirror(x, model%is_at_pole(x))
             call finish_at(model, x, search)
         end if
         model%share = max(model%share, 0.5_dp * search%searches / search%most)
         model%loss = search%loss
-        model%measured%sigma = search%sigma
-        call model%use_rows(size(model%measured%t))
-        if (model%is_mirrored .neqv. search%is_mirrored) call model%mirror(x)
+        model%measured = search%measured
+        call model%use_all_rows()
+        call model%mirror(x, model%is_mirrored .neqv. search%is_mirrored)
     end subroutine search_from
+
+    !> The shortest of the spans of the runs that are explained, s.
+    pure real(dp) function shortest_span(model) result(span)
+        type(fit_model_t), intent(in) :: model
+        integer :: run
+        span = minval([(model%measured(run)%t(model%rows(run)) - model%measured(run)%t(1), run=1, size(model%rows))])
+    end function shortest_span
 
     !> Finds the minimum near a place, and keeps it if it is the best: a smaller misfit, or a minimum instead of a search that
     !> ended elsewhere.
@@ -203,12 +204,12 @@ contains
         search%places = reshape([search%places, x, found%x], [size(x), size(search%places, 2) + 2])
         x = found%x
         rise = misfit(model, found, search%kind) - search%least_misfit
-        if (allocated(search%sigma) .and. (rise > same .or. (rise > -same .and. (search%best%has_converged .or. &
+        if (allocated(search%measured) .and. (rise > same .or. (rise > -same .and. (search%best%has_converged .or. &
             .not. found%has_converged)))) return
         search%best = found
         search%least_misfit = search%least_misfit + rise
         search%loss = model%loss
-        search%sigma = model%measured%sigma
+        search%measured = model%measured
         search%is_mirrored = model%is_mirrored
     end subroutine finish_at
 
@@ -220,14 +221,19 @@ contains
         integer, intent(in) :: kind
         real(dp), parameter :: least = 1.0e-13_dp ! of the readings
         real(dp) :: deviation
+        integer :: run
 
         misfit = huge(misfit)
         if (.not. minimum%sum_of_squares < huge(misfit)) return
-        associate (m => size(minimum%residuals), measured => model%measured)
+        associate (m => size(minimum%residuals), knows_sigma => model%measured(1)%knows_sigma)
             deviation = sqrt(minimum%sum_of_squares / m)
-            if (kind /= loss_squares .and. .not. measured%knows_sigma) deviation = robust_deviation(minimum%residuals, 0)
+            if (kind /= loss_squares .and. .not. knows_sigma) deviation = robust_deviation(minimum%residuals, 0)
             misfit = m * log(max(deviation, max(least, model%precision) * norm2(model%data) / sqrt(real(m, dp)), tiny(misfit)))
-            if (.not. measured%knows_sigma) misfit = misfit + sum(count(measured%is_there, dim=2) * log(measured%sigma(:, 1)))
+            do run = 1, merge(0, size(model%measured), knows_sigma)
+                associate (measured => model%measured(run))
+                    misfit = misfit + sum(count(measured%is_there, dim=2) * log(measured%sigma(:, 1)))
+                end associate
+            end do
         end associate
     end function misfit
 
@@ -236,15 +242,12 @@ contains
         type(fit_model_t), intent(inout) :: model
         type(minimum_t), intent(in) :: minimum
         type(judgement_t) :: judgement
-        real(dp) :: readings(size(model%measured%columns), size(model%measured%t))
-        logical :: is_valid, is_noisy
+        logical :: is_noisy
 
         explains = .false.
         if (.not. minimum%has_converged) return
-        call model%predict(minimum%x, readings, is_valid)
-        if (.not. is_valid) return
         is_noisy = norm2(minimum%residuals) > far_above * max(model%precision, epsilon(1.0_dp)) * norm2(model%data)
-        call judge(model%measured, model%differences(readings), minimum, model%loss, is_noisy, .false., judgement)
+        call judge(model, minimum, is_noisy, .false., judgement)
         explains = .not. judgement%is_poor
     end function explains
 
@@ -260,7 +263,7 @@ contains
         from = x
         call model%weigh(from, search%kind /= loss_squares, change)
         do i = 1, most_weighings
-            call minimize_loss(model, from, model%measured%size(), search%kind, model%measured%knows_sigma, minimum)
+            call minimize_loss(model, from, size(model%data), search%kind, model%measured(1)%knows_sigma, minimum)
             search%evaluations = search%evaluations + minimum%evaluations
             search%steps = search%steps + minimum%steps
             if (.not. minimum%has_converged) exit
@@ -270,15 +273,14 @@ contains
         end do
     end subroutine finish_search
 
-    !> Number of rows in the first window.
-    integer function first_rows(model, period, parameters) result(rows)
+    !> Number of rows of a run in the first window.
+    integer function first_rows(model, run) result(rows)
         type(fit_model_t), intent(in) :: model !! the residuals
-        real(dp), intent(in) :: period !! of the motion, s
-        integer, intent(in) :: parameters !! number of sought numbers
-        associate (measured => model%measured)
-            rows = count(measured%t - measured%t(1) <= first_periods * period)
+        integer, intent(in) :: run !! which run
+        associate (measured => model%measured(run))
+            rows = count(measured%t - measured%t(1) <= first_periods * model%period(run))
             do while (rows < size(measured%t))
-                if (count(measured%is_there(:, :rows)) >= readings_per_parameter * parameters) exit
+                if (count(measured%is_there(:, :rows)) >= readings_per_parameter * size(model%sought%keys)) exit
                 rows = rows + 1
             end do
             rows = min(max(rows, 2), size(measured%t))
@@ -288,7 +290,7 @@ contains
     !> Moves the parameters to the minimum in a window, roughly, with a loss that wrong rows do not spoil.
     subroutine search_in_window(model, rows, start, x, search)
         type(fit_model_t), intent(inout) :: model
-        integer, intent(in) :: rows
+        integer, intent(in) :: rows(:)
         real(dp), intent(in) :: start(:)
         real(dp), intent(inout) :: x(:)
         type(search_t), intent(inout) :: search
@@ -318,60 +320,62 @@ contains
         end do
     end subroutine search_in_window
 
-    !> Checks that measurements are what they should be: angles in radians with all their turns, times in s from the start.
-    subroutine check_measurements(measured, fit, knows_start, case, model, x, problems)
-        type(measurements_t), intent(in) :: measured !! the measurements
+    !> Checks that the measurements of a run are what they should be: angles in radians with all their turns, times in s from the
+    !> start.
+    subroutine check_measurements(model, run, fit, knows_start, problems)
+        type(fit_model_t), intent(inout) :: model !! the residuals
+        integer, intent(in) :: run !! which run
         type(fit_scene_t), intent(in) :: fit !! the group of the input
         logical, intent(in) :: knows_start !! whether the input tells the time of the motion at t = 0 of the table
-        type(case_t), intent(in) :: case !! body and start, where the search begins
-        type(fit_model_t), intent(inout) :: model !! the residuals
-        real(dp), intent(in) :: x(:) !! the sought numbers, where the search begins
         type(problems_t), intent(inout) :: problems !! errors and warnings are added
         character(*), parameter :: unit = 'give the times in s, or name their unit, as in t_ms'
         character(:), allocatable :: message
         integer, allocatable :: rows(:)
-        real(dp) :: period, interval, span
+        character(:), allocatable :: key
+        real(dp) :: interval, span
         integer :: i, k, n, lost
 
-        n = size(measured%t)
-        do i = 1, size(measured%columns)
-            rows = pack([(k, k=1, n)], measured%is_there(i, :))
-            if (size(rows) < 2) cycle
-            call check_angles(measured, fit%sensors, i, rows, problems)
-        end do
-        if (n < 2 .or. problems%any()) return
-        span = measured%t(n) - measured%t(1)
-        if (measured%t(1) > span .and. .not. knows_start) then
-            call problems%add('fit.data', 'the first row is at t = ' // rounded(measured%t(1)) // &
-                              ' s, but the motion starts at 0', &
-                              'give times since the start, or fit.time_offset: ' // to_text(-measured%t(1)) // &
-                              ' where the motion starts with the first row, 0 where it starts before')
-            return
-        end if
-        period = period_of(case)
-        interval = span / (n - 1)
-        if (interval > most_periods * period) then
-            message = 'the rows are ' // rounded(interval) // ' s apart, which are ' // rounded(interval / period) // &
-                      ' periods of the motion, of ' // rounded(period) // ' s'
-            lost = lost_column(model, x, period)
-            if (lost > 0) then
-                call problems%add('fit.data', message // ', and the start does not predict the turns of ' // &
-                                  trim(measured%columns(lost)%name), unit // '; or leave out the column')
-            else
-                call problems%warn('fit.data', message, unit)
+        key = 'fit.data(' // to_text(run) // ')'
+        associate (measured => model%measured(run), period => model%period(run))
+            n = size(measured%t)
+            do i = 1, size(measured%columns)
+                rows = pack([(k, k=1, n)], measured%is_there(i, :))
+                if (size(rows) < 2) cycle
+                call check_angles(measured, key, fit%sensors, i, rows, problems)
+            end do
+            if (n < 2 .or. problems%any()) return
+            span = measured%t(n) - measured%t(1)
+            if (measured%t(1) > span .and. .not. knows_start) then
+                call problems%add(key, 'the first row is at t = ' // rounded(measured%t(1)) // &
+                                  ' s, but the motion starts at 0', &
+                                  'give times since the start, or fit.time_offset: ' // to_text(-measured%t(1)) // &
+                                  ' where the motion starts with the first row, 0 where it starts before')
+                return
             end if
-        else if (2 * pi * span < least_turn * period) then
-            call problems%warn('fit.data', 'all rows are within ' // rounded(span) // &
-                               ' s, in which the motion hardly begins: it has a period of ' // rounded(period) // &
-                               ' s', unit)
-        end if
+            interval = span / (n - 1)
+            if (interval > most_periods * period) then
+                message = 'the rows are ' // rounded(interval) // ' s apart, which are ' // rounded(interval / period) // &
+                          ' periods of the motion, of ' // rounded(period) // ' s'
+                lost = lost_column(model, run)
+                if (lost > 0) then
+                    call problems%add(key, message // ', and the start does not predict the turns of ' // &
+                                      trim(measured%columns(lost)%name), unit // '; or leave out the column')
+                else
+                    call problems%warn(key, message, unit)
+                end if
+            else if (2 * pi * span < least_turn * period) then
+                call problems%warn(key, 'all rows are within ' // rounded(span) // &
+                                   ' s, in which the motion hardly begins: it has a period of ' // rounded(period) // &
+                                   ' s', unit)
+            end if
+        end associate
     end subroutine check_measurements
 
     !> A column whose readings turn between rows of the measurements, and that the start does not predict: no window of rows
     !> can lead to its turns. 0 if there is none.
-    integer function lost_column(model, x, period) result(column)
+    integer function lost_column(model, run) result(column)
         class(fit_model_t), intent(inout) :: model
-        real(dp), intent(in) :: x(:), period
+        integer, intent(in) :: run
         integer, parameter :: instants = 100, least_rows = 12
         real(dp), allocatable :: t(:), readings(:, :), differences(:, :), in_periods(:, :)
         real(dp), allocatable :: rest(:)
@@ -380,17 +384,18 @@ contains
         integer :: i, rows, farthest
         logical :: is_valid, is_predicted
 
-        rows = min(max(first_rows(model, period, size(x)), least_rows), size(model%measured%t))
-        allocate (readings(size(model%measured%columns), rows), in_periods(size(model%measured%columns), instants))
-        call model%predict(x, readings, is_predicted)
-        allocate (differences, source=model%differences(readings))
-        allocate (t, source=model%measured%t)
-        model%measured%t = t(1) + most_periods * period / instants * [(i, i=1, instants)]
-        call model%predict(x, in_periods, is_valid)
-        model%measured%t = t
+        associate (measured => model%measured(run), start => model%sought%start)
+            rows = min(max(first_rows(model, run), least_rows), size(measured%t))
+            call model%predict(start, run, rows, readings, is_predicted)
+            differences = measured%differences(readings)
+            t = measured%t
+            measured%t = t(1) + most_periods * model%period(run) / instants * [(i, i=1, instants)]
+            call model%predict(start, run, instants, in_periods, is_valid)
+            measured%t = t
+        end associate
         do column = 1, size(readings, 1)
-            is_there = model%measured%is_there(column, :)
-            scatter = deviation(pack(model%measured%values(column, :), is_there))
+            is_there = model%measured(run)%is_there(column, :)
+            scatter = deviation(pack(model%measured(run)%values(column, :), is_there))
             if (.not. (is_valid .and. deviation(in_periods(column, :)) > turning * scatter)) cycle
             if (.not. is_predicted) return
             rest = pack(differences(column, :), is_there(:rows))
@@ -415,8 +420,9 @@ contains
     end function lost_column
 
     !> Checks that the readings of an angle are in the unit of their column, and have all turns.
-    subroutine check_angles(measured, sensors, i, rows, problems)
+    subroutine check_angles(measured, key, sensors, i, rows, problems)
         type(measurements_t), intent(in) :: measured
+        character(*), intent(in) :: key
         type(sensors_t), intent(in) :: sensors
         integer, intent(in) :: i !! number of the column
         integer, intent(in) :: rows(:) !! those with a reading
@@ -434,13 +440,13 @@ contains
                 k = findloc(is_outside, .true., dim=1)
                 ! One such reading is wrong, many are in another unit.
                 if (count(is_outside) > size(rows) / 4) then
-                    call problems%add('fit.data', trim(column%name) // ' = ' // rounded(measured%values(i, rows(k))) // &
+                    call problems%add(key, trim(column%name) // ' = ' // rounded(measured%values(i, rows(k))) // &
                                       ' in row ' // to_text(rows(k)) // ' is outside of [0, pi]', &
                                       'give it in radians, or name its unit, as in theta_deg, or its sensor')
                 end if
             else if (any(column%quantity() == [character(3) :: 'phi', 'psi']) .and. .not. measured%turn(i) > 0) then
                 k = wrapped_at(measured%t(rows), angles)
-                if (k > 1) call problems%add('fit.data', trim(column%name) // ' jumps by almost a turn from row ' // &
+                if (k > 1) call problems%add(key, trim(column%name) // ' jumps by almost a turn from row ' // &
                                              to_text(rows(k - 1)) // ' to row ' // to_text(rows(k)) // &
                                              ', as a wrapped angle does', "give fit.wrapped = '" // trim(column%name) // &
                                              "', or all its turns (in Python numpy.unwrap)")
@@ -476,50 +482,56 @@ contains
         end do
     end function wrapped_at
 
-    !> Judges a minimum.
-    subroutine judge(measured, differences, minimum, loss, is_noisy, with_words, judgement)
-        type(measurements_t), intent(in) :: measured !! the measurements
-        real(dp), intent(in) :: differences(:, :) !! measured less fitted: columns, leading rows
+    !> Judges a minimum: each run, and all together.
+    subroutine judge(model, minimum, is_noisy, with_words, judgement)
+        type(fit_model_t), intent(inout) :: model !! the measurements, and the loss that is least
         type(minimum_t), intent(in) :: minimum !! the parameters, and the residuals in units of their deviations
-        type(loss_t), intent(in) :: loss !! the loss that is least there
         logical, intent(in) :: is_noisy !! whether the residuals are larger than the errors of the motion
         logical, intent(in) :: with_words !! whether reason and warnings are wanted
         type(judgement_t), intent(out) :: judgement !! what was found
-        real(dp), allocatable :: residuals(:), t(:)
+        real(dp), allocatable :: readings(:, :), differences(:, :), residuals(:), t(:)
         character(:), allocatable :: name
         integer, allocatable :: rows(:)
-        integer :: i, k
+        integer :: i, k, run, parameters
+        logical :: is_valid
 
         allocate (judgement%warnings(0))
         judgement%reason = ''
-        if (measured%knows_sigma) call judge_size(minimum, loss, with_words, judgement)
-        if (.not. is_noisy) return
-        do i = 1, size(differences, 1)
-            rows = pack([(k, k=1, size(differences, 2))], measured%is_there(i, :size(differences, 2)))
-            name = trim(measured%columns(i)%name)
-            t = measured%t(rows)
-            residuals = differences(i, rows)
-            if (measured%knows_sigma) residuals = residuals / measured%sigma(i, rows)
-            call judge_order(name, t, residuals, with_words, judgement)
-            call judge_outliers()
+        if (model%measured(1)%knows_sigma) call judge_sizes(model, minimum, with_words, judgement)
+        parameters = size(model%sought%keys)
+        do run = 1, size(model%measured)
+            associate (measured => model%measured(run))
+                call model%predict(minimum%x, run, size(measured%t), readings, is_valid)
+                judgement%is_poor = judgement%is_poor .or. .not. is_valid
+                if (.not. (is_valid .and. is_noisy)) cycle
+                differences = measured%differences(readings)
+                do i = 1, size(differences, 1)
+                    rows = pack([(k, k=1, size(differences, 2))], measured%is_there(i, :))
+                    name = measured%label // trim(measured%columns(i)%name)
+                    t = measured%t(rows)
+                    residuals = differences(i, rows)
+                    if (measured%knows_sigma) residuals = residuals / measured%sigma(i, rows)
+                    call judge_order(name, t, residuals, with_words, judgement)
+                    call judge_outliers()
+                end do
+            end associate
         end do
-
     contains
 
         !> The rows of a column that stand out of the others.
         subroutine judge_outliers()
             character(:), allocatable :: text, hint
             real(dp) :: deviation, limit
-            integer :: parameters, farthest, more
+            integer :: farthest, more
             logical :: is_spoiled
 
-            parameters = size(minimum%x)
             if (size(t) <= parameters + 3) return
             deviation = robust_deviation(residuals, parameters)
             limit = standing_out * (1 + 5.0_dp / (size(t) - parameters)) * deviation
             farthest = maxloc(abs(residuals), dim=1)
             if (.not. (abs(residuals(farthest)) > limit .and. deviation > 0)) return
-            is_spoiled = .not. loss%is_robust() .and. sum(pack(residuals, abs(residuals) > limit)**2) > spoiling * sum(residuals**2)
+            is_spoiled = .not. model%loss%is_robust() .and. &
+                         sum(pack(residuals, abs(residuals) > limit)**2) > spoiling * sum(residuals**2)
             judgement%is_poor = judgement%is_poor .or. is_spoiled
             if (.not. with_words) return
             more = count(abs(residuals) > limit) - 1
@@ -529,7 +541,7 @@ contains
                 text = text // ', and ' // to_text(more) // trim(merge(' more row stands', ' more rows stand', more == 1)) // ' out'
             end if
             hint = "; remove what is wrong, or use loss = 'huber' or 'tukey'"
-            if (loss%is_robust()) hint = ''
+            if (model%loss%is_robust()) hint = ''
             if (is_spoiled) then
                 call add_reason(judgement, text)
             else
@@ -577,32 +589,56 @@ contains
         judgement%reason = judgement%reason // text
     end subroutine add_reason
 
-    !> The sum of squares against the known standard deviations. With a robust loss it is that of the deviation by the median.
-    subroutine judge_size(minimum, loss, with_words, judgement)
+    !> The sums of squares against the known standard deviations: of each run, and last of all, which are those of the judgement.
+    subroutine judge_sizes(model, minimum, with_words, judgement)
+        type(fit_model_t), intent(in) :: model
         type(minimum_t), intent(in) :: minimum
+        logical, intent(in) :: with_words
+        type(judgement_t), intent(inout) :: judgement
+        real(dp) :: own
+        integer :: run, first, last
+
+        associate (measured => model%measured, m => size(minimum%residuals), n => size(minimum%x), common => model%sought%common)
+            last = 0
+            do run = 1, merge(size(measured), 0, size(measured) > 1)
+                first = last + 1
+                last = last + measured(run)%size()
+                ! What is common takes degrees of freedom of each run in proportion to its readings.
+                own = size(model%sought%keys) - common * (1 - (last - first + 1.0_dp) / m)
+                call judge_size(minimum%residuals(first:last), nint(own), measured(run)%label, model%loss, with_words, judgement)
+            end do
+            call judge_size(minimum%residuals, n, '', model%loss, with_words, judgement)
+        end associate
+    end subroutine judge_sizes
+
+    !> The sum of squares of some residuals. With a robust loss it is that of the deviation by the median.
+    subroutine judge_size(residuals, n, label, loss, with_words, judgement)
+        real(dp), intent(in) :: residuals(:)
+        integer, intent(in) :: n !! number of parameters
+        character(*), intent(in) :: label
         type(loss_t), intent(in) :: loss
         logical, intent(in) :: with_words
         type(judgement_t), intent(inout) :: judgement
         real(dp), parameter :: efficiency = 0.37_dp ! of a deviation by the median
         real(dp) :: per_freedom, share
         character(:), allocatable :: what
+        logical :: is_poor
 
         share = 1
-        associate (m => size(minimum%residuals), n => size(minimum%x))
-            judgement%freedom = max(m - n, 1)
-            judgement%chi2 = minimum%sum_of_squares
-            if (loss%is_robust()) then
-                judgement%chi2 = judgement%freedom * robust_deviation(minimum%residuals, n)**2
-                share = efficiency
-            end if
-        end associate
+        judgement%freedom = max(size(residuals) - n, 1)
+        judgement%chi2 = sum(residuals**2)
+        if (loss%is_robust()) then
+            judgement%chi2 = judgement%freedom * robust_deviation(residuals, n)**2
+            share = efficiency
+        end if
         per_freedom = judgement%chi2 / judgement%freedom
         judgement%probability = chi_square_tail(share * judgement%chi2, max(nint(share * judgement%freedom), 1))
-        judgement%is_poor = per_freedom > too_large .and. judgement%probability < impossible
+        is_poor = per_freedom > too_large .and. judgement%probability < impossible
+        judgement%is_poor = judgement%is_poor .or. is_poor
         if (.not. with_words) return
-        what = 'chi2 is ' // rounded(per_freedom, 3) // ' per degree of freedom'
-        if (judgement%is_poor) then
-            judgement%reason = what
+        what = label // 'chi2 is ' // rounded(per_freedom, 3) // ' per degree of freedom'
+        if (is_poor) then
+            call add_reason(judgement, what)
         else if (judgement%probability < doubtful .and. per_freedom > 1) then
             call append(judgement%warnings, what // ', which has a probability of ' // rounded(judgement%probability, 2) // &
                         ': the standard deviations are larger than sigma by a factor of ' // rounded(sqrt(per_freedom), 3))

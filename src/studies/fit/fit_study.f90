@@ -1,10 +1,10 @@
 !> The fit as a kind of study: numbers of the input from measurements of the motion, by least squares.
 module spintop_fit_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
-    use spintop_fit_data, only: find_unknown, measurements_t, read_measurements
+    use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_search, only: check_measurements, far_above, finish_search, judge, judgement_t, period_of, &
-        search_minimum, search_t
+    use spintop_fit_search, only: check_measurements, far_above, finish_search, judge, judgement_t, search_minimum, search_t
+    use spintop_fit_unknowns, only: find_unknowns, unknowns_t
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t, study_head
     use spintop_kinds, only: dp, is_finite, no_number
@@ -18,7 +18,6 @@ module spintop_fit_study
     use spintop_residuals, only: loss_names, loss_squares, loss_t
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
-    use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: rounded, summary_t
     use spintop_table_column, only: column_t
@@ -34,8 +33,8 @@ module spintop_fit_study
     !> Measurements, and the sought numbers.
     type, extends(study_t) :: fit_study_t
         private
-        type(measurements_t) :: measured
-        type(sensitivities_t) :: sought
+        type(measurements_t), allocatable :: measured(:)
+        type(unknowns_t) :: sought
     contains
         procedure :: check
         procedure :: run
@@ -54,7 +53,7 @@ module spintop_fit_study
 
 contains
 
-    !> Reads the measurements, and plans the motion up to the last of them.
+    !> Reads the measurements, and plans the motions up to the last of them.
     subroutine check(self, job, problems)
         class(fit_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
@@ -64,20 +63,20 @@ contains
         type(plan_t) :: plan
         type(problems_t) :: reasons
         character(:), allocatable :: hint
-        integer :: unknown, i, k
+        integer :: unknown, readings, i, run
         logical :: knows_start
         real(dp) :: last
 
         knows_start = is_set(job%input%scene%fit%time_offset)
         call job%input%scene%fit%set_defaults()
         call read_measurements(job%input%path, job%input%scene%fit, self%measured, problems)
-        call find_unknown(job, self%measured, self%sought, problems)
+        call find_unknowns(job, self%measured, self%sought, problems)
         if (any(is_set([job%input%scene%nutations, job%input%scene%precessions])) .or. job%input%scene%stop_at /= '') then
             call problems%add('span', 'the span of a fit is that of its measurements', 'omit the group, or give t_end')
         end if
         if (problems%any()) return
         associate (fit => job%input%scene%fit, t_end => job%input%scene%t_end)
-            last = self%measured%t(size(self%measured%t)) + fit%time_offset + fit%averaged / 2
+            last = maxval([(maxval(self%measured(run)%t), run=1, size(self%measured))]) + fit%time_offset + fit%averaged / 2
             if (.not. is_set(t_end)) t_end = last
             if (t_end < last) call problems%add('span.t_end', 'the last measurement is at t = ' // to_text(last) // ' s', &
                                                 'omit t_end')
@@ -87,14 +86,14 @@ contains
         ! The plan is one for all bodies that are sought: where the first has a closed form and others have none, all motions are
         ! integrated. A method or formulation that the input names stays, and must be for all.
         allocate (model)
-        associate (keys => self%sought%keys)
-            call model%prepare(job%input%scene, keys, job%case, job%plan, self%measured)
-            do i = 1, size(keys)
-                call model%plan_with_another(i, [(keys(k)%slot%get(), k=1, size(keys))], plan, reasons)
+        associate (names => self%sought%names)
+            call model%prepare(job%input%scene, self%sought, job%case, job%plan, self%measured)
+            do i = 1, size(names)
+                call model%plan_with_another(i, plan, reasons)
                 if (reasons%any()) then
                     hint = "use method = 'auto' and formulation = 'auto'"
-                    if (keys(i)%name == 'top.inertia(2)') hint = 'seek top.inertia(1), which stands for both, or ' // hint
-                    call problems%add('fit.unknown', 'the body with another ' // keys(i)%name // &
+                    if (names(i)%text == 'top.inertia(2)') hint = 'seek top.inertia(1), which stands for both, or ' // hint
+                    call problems%add('fit.unknown', 'the body with another ' // names(i)%text // &
                                       ' has no motion by this method or formulation', hint)
                 else if (job%plan%exact .and. .not. plan%exact) then
                     job%plan = plan
@@ -108,15 +107,20 @@ contains
                 &measurements', 'use an adaptive method')
         end if
         if (problems%any()) return
-        unknown = size(self%sought%keys)
-        self%phrase = 'a fit of ' // counted(unknown, 'parameter') // ' to ' // counted(self%measured%size(), 'measurement') // &
-                      ' at ' // counted(size(self%measured%t), 'time')
+        unknown = size(self%sought%names)
+        readings = sum(self%measured%size())
+        self%phrase = 'a fit of ' // counted(unknown, 'parameter') // ' to ' // counted(readings, 'measurement') // &
+                      ' at ' // counted(sum([(size(self%measured(run)%t), run=1, size(self%measured))]), 'time')
+        if (size(self%measured) > 1) self%phrase = self%phrase // ' of ' // counted(size(self%measured), 'run')
         allocate (model)
-        call model%prepare(job%input%scene, self%sought%keys, job%case, job%plan, self%measured)
-        call check_measurements(self%measured, job%input%scene%fit, knows_start, job%case, model, &
-                                [(self%sought%keys(i)%slot%get(), i=1, unknown)], problems)
-        if (self%measured%size() <= unknown) then
-            call problems%add('fit.data', to_text(self%measured%size()) // ' measurements do not determine ' // &
+        call model%prepare(job%input%scene, self%sought, job%case, job%plan, self%measured)
+        do run = 1, size(self%measured)
+            reasons = problems_t()
+            call check_measurements(model, run, job%input%scene%fit, knows_start, reasons)
+            call problems%add_all(reasons, self%measured(run)%label)
+        end do
+        if (readings <= unknown) then
+            call problems%add('fit.data', to_text(readings) // ' measurements do not determine ' // &
                               to_text(unknown) // ' parameters and their errors', 'give more measurements')
         end if
     end subroutine check
@@ -135,76 +139,76 @@ contains
         type(estimate_t) :: estimate
         type(judgement_t) :: judgement
         type(string_t), allocatable :: warnings(:)
-        real(dp), allocatable :: start(:), values(:, :)
         character(:), allocatable :: ending
         real(dp) :: began, ends(2)
-        integer :: i
-        logical :: is_valid, is_noisy
+        integer :: i, k
+        logical :: is_noisy
 
         began = seconds()
         code = exit_ok
         allocate (model)
-        associate (keys => self%sought%keys, measured => self%measured)
-            call model%prepare(job%input%scene, keys, job%case, job%plan, measured)
-            start = [(keys(i)%slot%get(), i=1, size(keys))]
+        associate (names => self%sought%names)
+            call model%prepare(job%input%scene, self%sought, job%case, job%plan, self%measured)
             search%kind = max(loss_squares, findloc(loss_names, job%input%scene%fit%loss, dim=1))
             search%most = job%input%scene%fit%searches
             search%has_windows = job%input%scene%fit%windows
-            search%period = period_of(job%case)
             call model%progress%start(job%name, 'parts', model%parts, options%quiet, options%progress)
-            call find_minimum(self, job%input%scene%fit%profile, model, start, search, minimum, estimate)
+            call find_minimum(job%input%scene%fit%profile, model, search, minimum, estimate)
             call model%progress%finish()
-            allocate (values, mold=measured%values)
-            call model%predict(minimum%x, values, is_valid)
-            is_noisy = is_valid .and. norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
+            is_noisy = norm2(minimum%residuals) > far_above * sqrt(real(size(minimum%residuals), dp)) * &
                        estimate%error_of_model
-            call judge(measured, model%differences(values), minimum, model%loss, is_noisy, .true., judgement)
-            do i = 1, merge(size(keys), 0, judgement%is_poor)
+            call judge(model, minimum, is_noisy, .true., judgement)
+            do i = 1, merge(size(names), 0, judgement%is_poor)
                 ends = model%ends(i)
                 if (minimum%x(i) > ends(1) .and. minimum%x(i) < ends(2)) cycle
-                judgement%reason = judgement%reason // '; ' // keys(i)%name // ' is at the end of its range, ' // &
+                judgement%reason = judgement%reason // '; ' // names(i)%text // ' is at the end of its range, ' // &
                                    to_text(minimum%x(i))
             end do
-            ending = end_of_search(minimum, estimate, judgement, keys)
+            ending = end_of_search(minimum, estimate, judgement, names)
             if (ending /= 'ok') code = exit_failed
             call move_alloc(judgement%warnings, warnings)
-            if (model%is_mirrored) call append(warnings, 'the start is beyond the pole: where they are not sought, initial.phi and &
-                &initial.psi differ from the input by half a turn, and initial.theta_rate by its sign')
-            do i = 1, size(keys)
-                if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // keys(i)%name // ' could not be &
+            do k = 1, size(self%measured)
+                if (model%is_mirrored(k)) call append(warnings, self%measured(k)%label // 'the start is beyond the pole: where &
+                    &they are not sought, initial.phi and initial.psi differ from the input by half a turn, and initial.theta_rate &
+                    &by its sign')
+            end do
+            do i = 1, size(names)
+                if (.not. estimate%is_followed(i)) call append(warnings, 'the profile of ' // names(i)%text // ' could not be &
                     &followed: an end of its interval is that of the linear model')
             end do
             do i = 1, size(warnings)
                 if (i > 1) job%late_warnings = job%late_warnings // new_line('a')
                 job%late_warnings = job%late_warnings // escaped(job%input%path) // ': warning: ' // warnings(i)%text
             end do
-            call write_estimates(job, keys, start, estimate, warnings, ending, error)
-            if (.not. allocated(error)) call write_residuals(job, measured, values, model%differences(values), ending, error)
+            call write_estimates(job, self%sought, estimate, warnings, ending, error)
+            do k = 1, size(self%measured)
+                if (.not. allocated(error)) call write_residuals(job, model, k, minimum%x, ending, error)
+            end do
         end associate
         if (allocated(error)) return
-        call describe_fit(self, job, search, model%loss, model%measured%sigma(:, 1), minimum, estimate, judgement, ending, &
-                          seconds() - began, summary)
+        call describe_fit(self, job, search, model, minimum, estimate, judgement, ending, seconds() - began, summary)
     end subroutine run
 
     !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
-    subroutine find_minimum(self, wants_profile, model, start, search, minimum, estimate)
-        class(fit_study_t), intent(in) :: self
+    subroutine find_minimum(wants_profile, model, search, minimum, estimate)
         logical, intent(in) :: wants_profile
         type(fit_model_t), target, intent(inout) :: model
-        real(dp), intent(in) :: start(:)
         type(search_t), intent(inout) :: search
         type(minimum_t), intent(out) :: minimum
         type(estimate_t), intent(out) :: estimate
         integer, parameter :: most_searches = 10
         real(dp) :: level
-        integer :: i, m
+        logical :: knows_sigma
+        integer :: i
 
-        m = self%measured%size()
+        knows_sigma = model%measured(1)%knows_sigma
         level = normal_quantile
-        if (search%kind /= loss_squares .or. .not. self%measured%knows_sigma) level = student_quantile(tail, m - size(start))
-        call search_minimum(model, start, search, minimum)
+        if (search%kind /= loss_squares .or. .not. knows_sigma) then
+            level = student_quantile(tail, size(model%data) - size(model%sought%start))
+        end if
+        call search_minimum(model, model%sought%start, search, minimum)
         do i = 1, most_searches
-            call describe_minimum(model, minimum, self%measured%knows_sigma, wants_profile .and. minimum%has_converged, &
+            call describe_minimum(model, minimum, knows_sigma, wants_profile .and. minimum%has_converged, &
                                   level, estimate)
             if (.not. allocated(estimate%better)) exit
             call finish_search(model, [estimate%better], search, minimum)
@@ -217,21 +221,21 @@ contains
     end subroutine find_minimum
 
     !> How the search ended.
-    function end_of_search(minimum, estimate, judgement, keys) result(ending)
+    function end_of_search(minimum, estimate, judgement, known) result(ending)
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
         type(judgement_t), intent(in) :: judgement
-        type(sensitive_key_t), intent(in) :: keys(:)
+        type(string_t), intent(in) :: known(:) !! the names of the parameters
         character(:), allocatable :: ending
         character(:), allocatable :: names
         integer :: i
 
         ending = 'ok'
         names = ''
-        do i = 1, size(keys)
+        do i = 1, size(known)
             if (.not. estimate%is_undetermined(i)) cycle
             if (names /= '') names = names // ', '
-            names = names // keys(i)%name
+            names = names // known(i)%text
         end do
         if (.not. minimum%has_converged) then
             ending = 'not_converged: the search ended elsewhere than at a minimum'
@@ -244,12 +248,11 @@ contains
     end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
-    subroutine describe_fit(self, job, search, loss, sigma, minimum, estimate, judgement, ending, time, summary)
+    subroutine describe_fit(self, job, search, model, minimum, estimate, judgement, ending, time, summary)
         type(fit_study_t), intent(in) :: self
         type(job_t), intent(in) :: job
         type(search_t), intent(in) :: search
-        type(loss_t), intent(in) :: loss
-        real(dp), intent(in) :: sigma(:) !! by which the residuals of each column were divided
+        type(fit_model_t), intent(in) :: model
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
         type(judgement_t), intent(in) :: judgement
@@ -257,42 +260,33 @@ contains
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
         character(:), allocatable :: interval, text
-        real(dp) :: deviation
         integer :: i, m, n
 
         m = size(minimum%residuals)
         n = size(minimum%x)
-        call summary%headline(job%input%path // ': ' // self%phrase // ' -> ' // job%files%table // ', ' // &
-                              residual_path(job%files%table))
+        text = job%input%path // ': ' // self%phrase // ' -> ' // job%files%table
+        do i = 1, size(self%measured)
+            text = text // ', ' // residual_path(job%files%table, i)
+        end do
+        call summary%headline(text)
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''
             if (job%input%scene%fit%profile) interval = ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
                                                   rounded(estimate%upper(i), 9)
-            call summary%add(self%sought%keys(i)%name, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
+            call summary%add(self%sought%names(i)%text, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
                              rounded(estimate%standard_error(i), 3) // interval)
         end do
-        if (self%measured%knows_sigma) then
+        if (self%measured(1)%knows_sigma) then
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
         else
-            deviation = estimate%deviation
-            if (loss%is_robust()) deviation = robust_deviation(minimum%residuals, n)
-            text = rounded(deviation * sigma(1), 6)
-            ! Columns that differ have each their own, in its unit.
-            do i = 1, merge(size(sigma), 0, any(abs(sigma - sigma(1)) > 0))
-                associate (column => self%measured%columns(i))
-                    if (i == 1) text = ''
-                    if (i > 1) text = text // ', '
-                    text = text // trim(column%name) // ' ' // rounded(deviation * sigma(i), 4)
-                    if (column%unit /= '') text = text // ' ' // trim(column%unit)
-                end associate
-            end do
+            text = told_deviations(model, minimum, estimate)
             call summary%add('residuals', 'standard deviation ' // text // ', ' // to_text(m - n) // ' degrees of freedom')
         end if
-        if (loss%is_robust()) then
-            call summary%add('loss', trim(loss_names(loss%kind)) // ': ' // &
-                             to_text(count(abs(minimum%residuals) > loss%bound)) // ' of ' // to_text(m) // &
+        if (model%loss%is_robust()) then
+            call summary%add('loss', trim(loss_names(model%loss%kind)) // ': ' // &
+                             to_text(count(abs(minimum%residuals) > model%loss%bound)) // ' of ' // to_text(m) // &
                              ' residuals are beyond its bound')
         end if
         call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // ' evaluations from ' // &
@@ -302,18 +296,51 @@ contains
         call summary%add('status', ending)
     end subroutine describe_fit
 
-    !> Path of the table of residuals.
-    function residual_path(path) result(other)
+    !> The standard deviations that were found of the columns of each run, with their units where they differ.
+    function told_deviations(model, minimum, estimate) result(text)
+        type(fit_model_t), intent(in) :: model
+        type(minimum_t), intent(in) :: minimum
+        type(estimate_t), intent(in) :: estimate
+        character(:), allocatable :: text
+        real(dp) :: deviation
+        integer :: i, run
+
+        deviation = estimate%deviation
+        if (model%loss%is_robust()) deviation = robust_deviation(minimum%residuals, size(minimum%x))
+        text = ''
+        associate (first => model%measured(1)%sigma(1, 1))
+            if (.not. any([(any(abs(model%measured(run)%sigma - first) > 0), run=1, size(model%measured))])) then
+                text = rounded(deviation * first, 6)
+                return
+            end if
+        end associate
+        do run = 1, size(model%measured)
+            associate (measured => model%measured(run))
+                do i = 1, size(measured%columns)
+                    if (text /= '') text = text // ', '
+                    text = text // trim(measured%columns(i)%name)
+                    if (size(model%measured) > 1) text = text // '[' // to_text(run) // ']'
+                    text = text // ' ' // rounded(deviation * measured%sigma(i, 1), 4)
+                    if (measured%columns(i)%unit /= '') text = text // ' ' // trim(measured%columns(i)%unit)
+                end do
+            end associate
+        end do
+    end function told_deviations
+
+    !> Path of the table of residuals of a run: that of the first has no number.
+    function residual_path(path, run) result(other)
         character(*), intent(in) :: path !! path of the table of parameters
+        integer, intent(in) :: run !! which run
         character(:), allocatable :: other
-        other = stem_of(path) // '.residuals.csv'
+        other = stem_of(path) // '.residuals'
+        if (run > 1) other = other // to_text(run)
+        other = other // '.csv'
     end function residual_path
 
     !> Writes the table of the parameters.
-    subroutine write_estimates(job, keys, start, estimate, warnings, ending, error)
+    subroutine write_estimates(job, sought, estimate, warnings, ending, error)
         type(job_t), intent(in) :: job !! the job
-        type(sensitive_key_t), intent(in) :: keys(:) !! the parameters
-        real(dp), intent(in) :: start(:) !! their values in the input
+        type(unknowns_t), intent(in) :: sought !! the parameters
         type(estimate_t), intent(in) :: estimate !! their values and uncertainty
         type(string_t), intent(in) :: warnings(:) !! what is odd about the fit
         character(*), intent(in) :: ending !! how the search ended
@@ -325,10 +352,12 @@ contains
         integer :: i, n
 
         n = size(fit_columns)
-        allocate (columns(n + size(keys)))
+        allocate (columns(n + size(sought%names)))
         columns(:n) = fit_columns%column_t
-        do i = 1, size(keys)
-            columns(n + i) = column_t('covariance__' // keys(i)%name, '', 'covariance with ' // keys(i)%name)
+        do i = 1, size(sought%names)
+            associate (name => sought%names(i)%text)
+                columns(n + i) = column_t('covariance__' // name, '', 'covariance with ' // name)
+            end associate
         end do
         do i = 1, size(warnings)
             call append(trailer, 'warning: ' // warnings(i)%text)
@@ -336,12 +365,12 @@ contains
         call append(trailer, 'status: ' // ending)
         call file%create(job%files%table, study_head(job, columns), error)
         if (allocated(error)) return
-        do i = 1, size(keys)
+        do i = 1, size(sought%names)
             call cells%clear()
-            call cells%add_name(keys(i)%name)
-            call cells%add_text(keys(i)%unit)
-            call cells%add_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), start(i), &
-                                  estimate%singular_values(i), estimate%covariance(i, :)])
+            call cells%add_name(sought%names(i)%text)
+            call cells%add_text(sought%keys(sought%key(i))%unit)
+            call cells%add_reals([estimate%x(i), estimate%standard_error(i), estimate%lower(i), estimate%upper(i), &
+                                  sought%start(i), estimate%singular_values(i), estimate%covariance(i, :)])
             call cells%end_row()
             call file%append(cells%contents(), error)
             if (allocated(error)) exit
@@ -350,41 +379,46 @@ contains
         if (allocated(error)) call file%discard()
     end subroutine write_estimates
 
-    !> Writes the table of residuals: the measurements, the values of the fitted motion, and their differences.
-    subroutine write_residuals(job, measured, values, differences, ending, error)
+    !> Writes the table of residuals of a run: the measurements, the values of the fitted motion, and their differences.
+    subroutine write_residuals(job, model, run, x, ending, error)
         type(job_t), intent(in) :: job !! the job
-        type(measurements_t), intent(in) :: measured !! the measurements
-        real(dp), intent(in) :: values(:, :) !! the readings of the fitted motion
-        real(dp), intent(in) :: differences(:, :) !! measured less fitted
+        type(fit_model_t), intent(inout) :: model !! the measurements, and the motion
+        integer, intent(in) :: run !! which run
+        real(dp), intent(in) :: x(:) !! the parameters
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
         type(table_file_t) :: file
         type(string_t) :: trailer(1)
-        real(dp) :: cells(1 + 3 * size(measured%columns))
+        real(dp), allocatable :: cells(:), values(:, :), differences(:, :)
+        logical :: is_valid
         integer :: i
 
-        allocate (columns(1 + 3 * size(measured%columns)))
-        columns(1) = column_t(measured%time%name, measured%time%unit, 'time')
-        do i = 1, size(measured%columns)
-            associate (own => measured%columns(i))
-                columns(3 * i - 1) = column_t(own%name, own%unit, 'measured: ' // trim(own%what))
-                columns(3 * i) = column_t(trim(own%name) // '_fit', own%unit, trim(own%name) // ' of the fitted motion')
-                columns(3 * i + 1) = column_t(trim(own%name) // '_residual', own%unit, 'measured less fitted')
-            end associate
-        end do
-        trailer(1)%text = 'status: ' // ending
-        call file%create(residual_path(job%files%table), study_head(job, columns), error)
-        if (allocated(error)) return
-        do i = 1, size(measured%t)
-            ! Where there is no reading there is no residual.
-            cells(1) = measured%given_times(i)
-            cells(2::3) = measured%values(:, i)
-            cells(3::3) = values(:, i)
-            cells(4::3) = merge(differences(:, i), no_number, is_finite(measured%values(:, i)))
-            call file%add_row(cells, error)
-            if (allocated(error)) exit
-        end do
+        associate (measured => model%measured(run))
+            call model%predict(x, run, size(measured%t), values, is_valid)
+            differences = measured%differences(values)
+            allocate (columns(1 + 3 * size(measured%columns)), cells(1 + 3 * size(measured%columns)))
+            columns(1) = column_t(measured%time%name, measured%time%unit, 'time')
+            do i = 1, size(measured%columns)
+                associate (own => measured%columns(i))
+                    columns(3 * i - 1) = column_t(own%name, own%unit, 'measured: ' // trim(own%what))
+                    columns(3 * i) = column_t(trim(own%name) // '_fit', own%unit, trim(own%name) // ' of the fitted motion')
+                    columns(3 * i + 1) = column_t(trim(own%name) // '_residual', own%unit, 'measured less fitted')
+                end associate
+            end do
+            trailer(1)%text = 'status: ' // ending
+            call file%create(residual_path(job%files%table, run), study_head(job, columns), error)
+            if (allocated(error)) return
+            do i = 1, size(measured%t)
+                ! Where there is no reading there is no residual.
+                cells(1) = measured%given_times(i)
+                cells(2::3) = measured%values(:, i)
+                cells(3::3) = values(:, i)
+                cells(4::3) = merge(differences(:, i), no_number, is_finite(measured%values(:, i)))
+                call file%add_row(cells, error)
+                if (allocated(error)) exit
+            end do
+        end associate
         if (.not. allocated(error)) call file%finish(trailer, error)
         if (allocated(error)) call file%discard()
     end subroutine write_residuals

@@ -18,7 +18,7 @@ module spintop_fit_search
     use spintop_text, only: to_text, append, string_t
     implicit none
     private
-    public :: search_t, search_minimum, finish_search, far_above, check_measurements, judgement_t, judge
+    public :: search_t, search_minimum, finish_search, far_above, check_measurements, judgement_t, judge, information
 
     !> The first window has so many periods of the motion, and readings per sought parameter. The search in a window ends where
     !> no more than this part of the sum of squares can be gained; its loss is found in so many rounds.
@@ -236,6 +236,16 @@ contains
             end do
         end associate
     end function misfit
+
+    !> The criterion of Akaike (1974), but for what is the same for all motions: minus twice the logarithm of the likelihood at a
+    !> least sum of squares, plus twice the number of parameters.
+    real(dp) function information(model, minimum)
+        type(fit_model_t), intent(in) :: model !! the measurements
+        type(minimum_t), intent(in) :: minimum !! the minimum
+        information = minimum%sum_of_squares
+        if (.not. model%measured(1)%knows_sigma) information = 2 * misfit(model, minimum, loss_squares)
+        information = information + 2 * size(minimum%x)
+    end function information
 
     !> Whether a minimum explains the measurements.
     logical function explains(model, minimum)

@@ -3,7 +3,8 @@ module spintop_fit_study
     use spintop_errors, only: error_t, exit_failed, exit_ok
     use spintop_fit_data, only: measurements_t, read_measurements
     use spintop_fit_model, only: fit_model_t
-    use spintop_fit_search, only: check_measurements, far_above, finish_search, judge, judgement_t, search_minimum, search_t
+    use spintop_fit_search, only: check_measurements, far_above, finish_search, information, judge, judgement_t, search_minimum, &
+        search_t
     use spintop_fit_unknowns, only: find_unknowns, unknowns_t
     use spintop_intervals, only: compare_with, describe_minimum, estimate_t
     use spintop_job, only: job_t, study_head
@@ -139,7 +140,7 @@ contains
         type(estimate_t) :: estimate
         type(judgement_t) :: judgement
         type(string_t), allocatable :: warnings(:)
-        character(:), allocatable :: ending
+        character(:), allocatable :: ending, criterion
         real(dp) :: began, ends(2)
         integer :: i, k
         logical :: is_noisy
@@ -165,6 +166,8 @@ contains
                                    to_text(minimum%x(i))
             end do
             ending = end_of_search(minimum, estimate, judgement, names)
+            criterion = ''
+            if (is_noisy .and. .not. model%loss%is_robust()) criterion = fixed(information(model, minimum), 2)
             if (ending /= 'ok') code = exit_failed
             call move_alloc(judgement%warnings, warnings)
             do k = 1, size(self%measured)
@@ -180,13 +183,13 @@ contains
                 if (i > 1) job%late_warnings = job%late_warnings // new_line('a')
                 job%late_warnings = job%late_warnings // escaped(job%input%path) // ': warning: ' // warnings(i)%text
             end do
-            call write_estimates(job, self%sought, estimate, warnings, ending, error)
+            call write_estimates(job, self%sought, estimate, warnings, criterion, ending, error)
             do k = 1, size(self%measured)
                 if (.not. allocated(error)) call write_residuals(job, model, k, minimum%x, ending, error)
             end do
         end associate
         if (allocated(error)) return
-        call describe_fit(self, job, search, model, minimum, estimate, judgement, ending, seconds() - began, summary)
+        call describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, seconds() - began, summary)
     end subroutine run
 
     !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
@@ -248,7 +251,7 @@ contains
     end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
-    subroutine describe_fit(self, job, search, model, minimum, estimate, judgement, ending, time, summary)
+    subroutine describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, time, summary)
         type(fit_study_t), intent(in) :: self
         type(job_t), intent(in) :: job
         type(search_t), intent(in) :: search
@@ -256,7 +259,7 @@ contains
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
         type(judgement_t), intent(in) :: judgement
-        character(*), intent(in) :: ending
+        character(*), intent(in) :: criterion, ending
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
         character(:), allocatable :: interval, text
@@ -277,6 +280,8 @@ contains
             call summary%add(self%sought%names(i)%text, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
                              rounded(estimate%standard_error(i), 3) // interval)
         end do
+        text = told_correlations(self%sought%names, estimate)
+        if (text /= '') call summary%add('correlation', ' ' // text)
         if (self%measured(1)%knows_sigma) then
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
@@ -289,12 +294,50 @@ contains
                              to_text(count(abs(minimum%residuals) > model%loss%bound)) // ' of ' // to_text(m) // &
                              ' residuals are beyond its bound')
         end if
+        if (criterion /= '') call summary%add('AIC', criterion)
         call summary%add('search', to_text(search%steps) // ' steps, ' // to_text(search%evaluations) // ' evaluations from ' // &
                          counted(search%searches, 'start') // ', first by ' // counted(search%windows, 'window') // &
                          ' from ' // rounded(search%first_span, 3) // ' s', is_detail=.true.)
         call summary%add('time', rounded(time) // ' s')
         call summary%add('status', ending)
     end subroutine describe_fit
+
+    !> The pairs of parameters that hardly can be told apart, the strongest correlations first.
+    function told_correlations(names, estimate) result(text)
+        type(string_t), intent(in) :: names(:)
+        type(estimate_t), intent(in) :: estimate
+        character(:), allocatable :: text
+        real(dp), parameter :: strong = 0.9_dp
+        integer, parameter :: most = 5 ! pairs that are named
+        real(dp) :: r(size(names), size(names))
+        integer :: i, k, pair(2)
+
+        r = 0
+        do k = 2, size(names)
+            do i = 1, k - 1
+                r(i, k) = estimate%covariance(i, k) / (estimate%standard_error(i) * estimate%standard_error(k))
+            end do
+        end do
+        text = ''
+        do i = 1, min(most, count(abs(r) > strong))
+            pair = maxloc(abs(r), mask=abs(r) > strong)
+            if (i > 1) text = text // ', '
+            text = text // names(pair(1))%text // ' and ' // names(pair(2))%text // ' ' // &
+                   fixed(r(pair(1), pair(2)), 4)
+            r(pair(1), pair(2)) = 0
+        end do
+        if (any(abs(r) > strong)) text = text // ', ' // counted(count(abs(r) > strong), 'more pair')
+    end function told_correlations
+
+    !> A number with so many decimals.
+    function fixed(value, decimals) result(text)
+        real(dp), intent(in) :: value
+        integer, intent(in) :: decimals
+        character(:), allocatable :: text
+        character(32) :: buffer
+        write (buffer, '(ss, f32.' // to_text(decimals) // ')') value
+        text = trim(adjustl(buffer))
+    end function fixed
 
     !> The standard deviations that were found of the columns of each run, with their units where they differ.
     function told_deviations(model, minimum, estimate) result(text)
@@ -338,17 +381,18 @@ contains
     end function residual_path
 
     !> Writes the table of the parameters.
-    subroutine write_estimates(job, sought, estimate, warnings, ending, error)
+    subroutine write_estimates(job, sought, estimate, warnings, criterion, ending, error)
         type(job_t), intent(in) :: job !! the job
         type(unknowns_t), intent(in) :: sought !! the parameters
         type(estimate_t), intent(in) :: estimate !! their values and uncertainty
         type(string_t), intent(in) :: warnings(:) !! what is odd about the fit
+        character(*), intent(in) :: criterion !! that of Akaike, or ''
         character(*), intent(in) :: ending !! how the search ended
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(column_t), allocatable :: columns(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
-        type(string_t), allocatable :: trailer(:)
+        type(string_t), allocatable :: remarks(:), trailer(:)
         integer :: i, n
 
         n = size(fit_columns)
@@ -363,7 +407,9 @@ contains
             call append(trailer, 'warning: ' // warnings(i)%text)
         end do
         call append(trailer, 'status: ' // ending)
-        call file%create(job%files%table, study_head(job, columns), error)
+        allocate (remarks(0))
+        if (criterion /= '') call append(remarks, 'AIC: ' // criterion)
+        call file%create(job%files%table, study_head(job, columns, remarks), error)
         if (allocated(error)) return
         do i = 1, size(sought%names)
             call cells%clear()

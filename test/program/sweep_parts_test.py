@@ -173,9 +173,11 @@ GATHERED = FAST + "&statistics columns = 'theta_max', over = 'initial.psi_rate',
 )
 def test_a_job_array(spin, text, parts, names, jobs):
     """The script for Slurm, where jobs get no environment: an array, MPI, statistics."""
-    whole = spin(text, "--output=whole").path.parent
-    said, calls = submit(spin, "scene.nml", parts, "--time=1")
+    change = "initial.theta_deg=25"
+    whole = spin(text, "--output=whole", change).path.parent
+    said, calls = submit(spin, "scene.nml", parts, "--time=1", "--set", change)
     assert calls.count("sbatch") == jobs, said
+    assert ("the last runs of the parts took" in said) == (parts != "mpi"), said
     for name in names:
         assert (spin.folder / "o u t" / name).read_bytes() == (whole / name).read_bytes(), said
 

@@ -182,6 +182,7 @@ class PlotTest(TableCase):
         blocked = table / "folder"
         expected = {
             ("--figure", "pie", table): (2, "invalid choice: 'pie'"),
+            ("--figure", "traces", table): (2, "all tables together: give --together traces"),
             ("--figure", "path", table): (2, "a.csv: has no column com_x, com_y, com_z: no path"),
             ("--figure", "verdicts", table): (2, "a.csv: is no table of the kind stability"),
             ("--figure", "maps", clash): (2, "a.csv: is no sweep over two parameters"),

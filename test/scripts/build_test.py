@@ -159,6 +159,14 @@ def test_pip_beside_apt(checkout: Path, broken: str) -> None:
     assert (checkout / "complete").exists() == (not broken)
 
 
+def test_only_the_setup_installs_unasked(checkout: Path) -> None:
+    command = "apt-get() { touch called; }; sudo() { touch called; }; install_packages gfortran"
+    done = call(checkout, command, SPINTOP_NETCDF="0", SPINTOP_INSTALL="")
+    assert "scripts/setup installs them" in done.stderr
+    assert done.returncode == 2
+    assert not (checkout / "called").exists()
+
+
 def test_users_install_no_linters() -> None:
     """What pip installs at set-up, and what scripts/lint adds, have nothing in common."""
     packages, linters = (

@@ -14,7 +14,7 @@ module spintop_accumulators
     implicit none
     private
     public :: accumulators_t, moments_t
-    public :: bins_t, even_bins, bins_around, place_among
+    public :: bins_t, even_bins, bins_around
 
     !> Bins of one quantity: neighbouring intervals between edges. Bin i holds the values from edge(i) to below edge(i+1); the
     !> last one has its upper edge, too.
@@ -101,7 +101,7 @@ contains
     !> beforehand, none waiting for another, takes a part of the time of one after the other.
     subroutine fetch(self, bins)
         class(accumulators_t), intent(inout) :: self
-        integer(int64), intent(in) :: bins(:) !! as `place_among` gives them
+        integer(int64), intent(in) :: bins(:) !! their numbers
         integer(int64) :: total
         integer :: i, k
         total = 0
@@ -122,7 +122,7 @@ contains
         class(accumulators_t), intent(inout) :: self
         integer(int64), intent(in) :: numbers(:) !! numbers of the cases, increasing
         logical, intent(in) :: is_ok(:)      !! a case that failed has no values
-        integer(int64), intent(in) :: bin    !! as `place_among` gives it
+        integer(int64), intent(in) :: bin    !! its number, one more than there are for none
         real(dp), intent(in) :: values(:, :) !! of each case those of the columns; one that is not finite is none
         integer, intent(in) :: words(:, :)   !! of each case, and column of words, its place among the words of all
         real(dp) :: there(size(numbers))
@@ -345,14 +345,20 @@ contains
     end function bins_around
 
     !> The bin of a value; 0 where it has none, as NaN has.
-    pure integer function place(self, value)
+    pure integer function place(self, value, guess)
         class(bins_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value of the binned quantity; NaN is in no bin
+        integer, intent(in), optional :: guess !! a bin in which it may be, or 0
         real(dp) :: x
         integer :: low, high, middle, n
 
-        n = size(self%value)
         place = 0
+        if (present(guess)) place = guess
+        if (place > 0) then
+            if (value >= self%edge(place) .and. value < self%edge(place + 1)) return
+            place = 0
+        end if
+        n = size(self%value)
         if (.not. (value >= self%edge(1) .and. value <= self%edge(n + 1))) return
         if (self%is_even) then
             ! A guess, which may be one beside the bin that the edges say.
@@ -378,23 +384,5 @@ contains
         end do
         place = low
     end function place
-
-    !> Number of the bin of values among the bins of one or two quantities, of which those of the first count fastest; one more
-    !> than there are bins if it is in none.
-    pure integer(int64) function place_among(bins, values) result(bin)
-        type(bins_t), intent(in) :: bins(:) !! of each quantity
-        real(dp), intent(in) :: values(:)   !! a value of each
-        integer(int64) :: count
-        integer :: i, place
-        bin = 1
-        count = 1
-        do i = 1, size(bins)
-            place = bins(i)%place(values(i))
-            if (place == 0) bin = -huge(bin)
-            if (bin > 0) bin = bin + (place - 1) * count
-            count = count * size(bins(i)%value)
-        end do
-        if (bin < 0) bin = count + 1
-    end function place_among
 
 end module spintop_accumulators

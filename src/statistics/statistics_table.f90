@@ -12,7 +12,7 @@
 !>     (their checksum, from the line above)
 module spintop_statistics_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_accumulators, only: accumulators_t, place_among
+    use spintop_accumulators, only: accumulators_t
     use spintop_checksum, only: checksum_text, checksum_width
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: file_size, input_file_t, sync_file
@@ -153,26 +153,28 @@ contains
     subroutine extract_statistics_cells(self, block)
         class(statistics_table_t), intent(in) :: self
         type(row_block_t), intent(inout) :: block !! its cells may become text
-        real(dp) :: over(size(self%plan%over)), bin
-        integer :: i, k, n, words
-        logical :: is_same
+        real(dp) :: bins
+        integer :: i, k, n, place, words
 
-        bin = 0
-        over = 0
         associate (plan => self%plan, rows => block%rows)
             n = size(plan%numbers)
             call block%reserve_statistics_cells(cells_before + n + size(plan%categories), rows)
             associate (cells => block%cells, gathered => block%statistics_cells)
-                do k = 1, rows
-                    ! On a grid most cases are in the bin of the last one.
-                    is_same = k > 1
-                    do i = 1, size(over)
-                        is_same = is_same .and. cells(plan%over(i)%cell, k) >= over(i) .and. cells(plan%over(i)%cell, k) <= over(i)
-                        over(i) = cells(plan%over(i)%cell, k)
-                    end do
-                    if (.not. is_same) bin = real(place_among(plan%over%bins, over), dp)
-                    gathered(k, bin_cell) = bin
+                ! The bins of the first quantity count fastest; after the last come the cases that are in none.
+                gathered(:, bin_cell) = 1
+                bins = 1
+                do i = 1, size(plan%over)
+                    associate (over => plan%over(i))
+                        place = 0
+                        do k = 1, rows
+                            ! On a grid most cases are in the bin of the last one.
+                            place = over%bins%place(cells(over%cell, k), place)
+                            gathered(k, bin_cell) = gathered(k, bin_cell) + merge((place - 1) * bins, -huge(bins), place > 0)
+                        end do
+                        bins = bins * size(over%bins%value)
+                    end associate
                 end do
+                where (gathered(:, bin_cell) < 0) gathered(:, bin_cell) = bins + 1
                 gathered(:, number_cell) = cells(1, :rows)
                 gathered(:, status_cell) = cells(plan%status_cell, :rows)
                 do i = 1, n

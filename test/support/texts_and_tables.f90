@@ -2,7 +2,7 @@
 module texts_and_tables
     use, intrinsic :: ieee_arithmetic, only: ieee_is_nan
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_accumulators, only: bins_around, bins_t, even_bins, place_among
+    use spintop_accumulators, only: bins_around, bins_t, even_bins
     use spintop_checksum
     use spintop_process
     use spintop_diagnostics

@@ -51,14 +51,17 @@ module spintop_sweep_worker
     integer, parameter :: quantities(3) = [proof_of_theta, proof_of_phi, proof_of_psi], &
         bounds(3) = [at_theta_end_bound, at_phi_end_bound, at_psi_end_bound]
 
-    !> Cases per block if each is expensive. Otherwise a block has as many cases as the exact solution
-    !> computes at once.
-    integer, parameter :: block_of_stepping = 16
+    !> Cases per block if each is expensive, and in closed form, where few enough stay in the second cache. Otherwise a block has as
+    !> many as there is room for.
+    integer, parameter :: block_of_stepping = 16, block_of_tops = 128
 
     !> Kinds of body, for each of which there is a plan: symmetric tops and free bodies, which have a closed form,
     !> others without damping, with damping, with effects, with effects without series.
     integer, parameter :: symmetric_top = 1, free_body = 2, undamped = 3, damped = 4, affected = 5, &
         without_series = 6, kinds_of_body = without_series
+
+    !> What is known of a case at first. A constant, as the value of a constructor is copied twice.
+    type(sweep_result_t), parameter :: nothing = sweep_result_t()
 
     !> Number of engines, and which of them computes cases one by one.
     integer, parameter :: engine_count = 4, stepping = 3
@@ -262,7 +265,9 @@ contains
         first%plan => job%plan
         task = task_of(job)
         size_of_block = block_of_stepping
-        if (any([(engines(i)%engine%takes(first, task), i=1, stepping - 1)])) size_of_block = block_size
+        do i = stepping - 1, 1, -1
+            if (engines(i)%engine%takes(first, task)) size_of_block = merge(block_of_tops, block_size, i == 1)
+        end do
     end function size_of_block
 
     !> What a job asks of its cases.
@@ -339,7 +344,7 @@ contains
                 if (is_ok(slots(k)%status)) then
                     slots(k)%note = note
                 else
-                    slots(k)%result = sweep_result_t()
+                    slots(k)%result = nothing
                 end if
             end do
             if (any(worker%proofs)) then
@@ -374,7 +379,7 @@ contains
         end if
         associate (slot => worker%slots(k))
             call slot%note%clear()
-            slot%result = sweep_result_t()
+            slot%result = nothing
             slot%growth_until = 0
             call worker%swept%set_values(worker%parameters(:, k), first)
             ! The attitude of the case before is at hand, if that is the one.

@@ -46,8 +46,8 @@ contains
     pure logical function suits_lanes(start)
         type(motion_t), intent(in) :: start
         real(dp), parameter :: close_to_pole = 1.0e-2_dp
-        suits_lanes = rates_describe(start) .or. &
-            (all(is_finite(start%rate)) .and. sin(start%angle(2)) > close_to_pole)
+        suits_lanes = rates_describe(start)
+        if (.not. suits_lanes) suits_lanes = all(is_finite(start%rate)) .and. sin(start%angle(2)) > close_to_pole
     end function suits_lanes
 
     !> Computes the cases by the closed form, the nutations of all together.

@@ -51,11 +51,24 @@ static void find_inertia(arb_ptr inertia, arb_ptr inverse, const top_data *data,
     arb_clear(determinant);
 }
 
-// 1/J of a moment or momentum, as a column; of none it is none, for a thin rod, too.
+// The derivatives of J and of its inverse, -1/J dJ 1/J, by an element of J.
+static void differentiate_inertia(arb_ptr d, arb_ptr d_inverse, arb_srcptr inverse, int element, slong bits) {
+    const int a = element < INERTIA + 3 ? element - INERTIA : (element - PRODUCTS + 1) % 3;
+    const int b = element < INERTIA + 3 ? a : (a + 1) % 3;
+    int i, s;
+    arb_one(d + 3 * a + b), arb_one(d + 3 * b + a);
+    for (i = 0; i < 3; i++)
+        for (s = 0; s < 3; s++) {
+            arb_submul(d_inverse + 3 * i + s, inverse + 3 * i + a, inverse + 3 * b + s, bits);
+            if (a != b) arb_submul(d_inverse + 3 * i + s, inverse + 3 * i + b, inverse + 3 * a + s, bits);
+        }
+}
+
+// Adds 1/J of a moment or momentum to a column; of none it is none, for a thin rod, too.
 static void divide(arb_ptr quotient, int stride, arb_srcptr x, arb_srcptr inverse, slong bits) {
     int i, j;
     for (i = 0; i < 3; i++)
-        for (arb_zero(quotient + i * stride), j = 0; j < 3; j++)
+        for (j = 0; j < 3; j++)
             if (!arb_is_zero(x + j)) arb_addmul(quotient + i * stride, inverse + 3 * i + j, x + j, bits);
 }
 
@@ -160,16 +173,23 @@ static void find_shake(const load *l, arb_srcptr z, arb_srcptr other, int side, 
     _arb_vec_clear(w, 5);
 }
 
-// The coefficients, in seconds.
-static void find_coefficients(ball_field *f, const top_data *data) {
+enum { NONE = -1 };
+
+// The coefficients, in seconds; or their derivatives by an element of J: they are 1/J of what is linear in it.
+static void find_coefficients(ball_field *f, const top_data *data, int element) {
     const slong bits = f->bits;
-    arb_ptr w = _arb_vec_init(49), rotor = w + 37, drive = w + 40, z = w + 43;
-    const load l = {w, w + 9, w + 18, w + 19, w + 22, w + 25, w + 28, w + 31, w + 34};
+    arb_ptr w = _arb_vec_init(67), rotor = w + 37, drive = w + 40, z = w + 43, d = w + 49;
+    load l = {w, w + 9, w + 18, w + 19, w + 22, w + 25, w + 28, w + 31, w + 34};
     int i, n;
     find_inertia(l.inertia, l.inverse, data, bits + 64), ball_datum(l.mass, data, MASS);
     read_vector(l.centre, data, CENTRE), read_vector(l.damping, data, DAMPING);
     read_frame(l.frame, data, bits), read_vector(rotor, data, ROTORS), read_vector(drive, data, ROTOR_DRIVE);
-    _arb_vec_set(f->turn, l.frame, 3), add_spin(f, &l);
+    _arb_vec_set(f->turn, l.frame, 3);
+    if (element != NONE) {
+        differentiate_inertia(d, d + 9, l.inverse, element, bits + 64);
+        l.inertia = d, add_spin(f, &l), l.inertia = w, l.inverse = d + 9;
+    }
+    add_spin(f, &l);
     // Gravity, constant torques, damping, and the rotor: of momentum h + h' t.
     ball_datum(l.force + 2, data, GRAVITY), arb_mul(l.force + 2, l.force + 2, l.mass, bits);
     read_vector(l.couple, data, TORQUE_SPACE), read_vector(l.torque, data, TORQUE_BODY);
@@ -183,7 +203,8 @@ static void find_coefficients(ball_field *f, const top_data *data) {
     for (n = 0; n < 2; n++) _arb_vec_set(l.torque, z + 3 * n, 3), add_forms(f, 4 + n, &l);
     _arb_vec_zero(l.torque, 3), read_swing(z, f->rate + 2, data, HARMONIC_SPACE, bits);
     for (n = 0; n < 2; n++) _arb_vec_set(l.couple, z + 3 * n, 3), add_forms(f, 6 + n, &l);
-    _arb_vec_clear(w, 49);
+    _arb_vec_clear(w, 67);
+    if (element != NONE) _arb_vec_zero(f->turn, 3), _arb_vec_zero(f->rate, SWINGS);
 }
 
 // Everything in units of time, 2^-unit s.
@@ -260,10 +281,11 @@ static void open_field(ball_field *f, slong bits) {
     f->gyro = f->form + FORMS * 3 * PAIRS, f->rate = f->gyro + WAVES * 9, f->start = f->rate + SWINGS;
 }
 
-// All numbers; whether they are known.
-static int find_numbers(ball_field *f, const top_data *data) {
-    int i, is_known;
-    _arb_vec_zero(f->ball, NUMBERS), find_coefficients(f, data), is_known = find_start(f, data);
+// All numbers, or their derivatives by an element of J; whether they are known.
+static int find_numbers(ball_field *f, const top_data *data, int element) {
+    int i, is_known = 1;
+    _arb_vec_zero(f->ball, NUMBERS), find_coefficients(f, data, element);
+    if (element == NONE) is_known = find_start(f, data);
     for (i = 0; i < NUMBERS; i++) is_known = is_known && arb_is_finite(f->ball + i);
     return is_known;
 }
@@ -275,7 +297,7 @@ static int add_difference(ball_field *f, const top_data *data, int which, double
     int i, side, is_known = 1;
     open_field(&other, f->bits), there.radius[which] = radius;
     for (side = -1; side < 2; side += 2) {
-        there.value[which] = side < 0 ? from : to, is_known = find_numbers(&other, &there) && is_known;
+        there.value[which] = side < 0 ? from : to, is_known = find_numbers(&other, &there, NONE) && is_known;
         for (i = 0; i < NUMBERS; i++) arb_addmul_si(f->ball + i, other.ball + i, side * factor, f->bits);
     }
     ball_field_clear(&other);
@@ -283,7 +305,7 @@ static int add_difference(ball_field *f, const top_data *data, int which, double
 }
 
 // The derivatives of the numbers by a datum, in balls that hold for all data. By an angle they are sums of its sine and cosine
-// and of those of its half; by a moment of inertia of a constant, the moment and its reciprocal; by others of first degree.
+// and of those of its half; by others but the inertia of first degree.
 static int differentiate(ball_field *f, const top_data *data, int which) {
     const double here = data->value[which], radius = data->radius[which], right = 1.5707963267948966;
     const double rounded = radius + (fabs(here) + 8) * 0x1p-50;
@@ -295,10 +317,8 @@ static int differentiate(ball_field *f, const top_data *data, int which) {
                    && add_difference(f, data, which, here - right, here + right, rounded, 1)
                    && add_difference(f, data, which, here - 3 * right, here + 3 * right, rounded, -1);
         divisor = 4;
-    } else if (which >= INERTIA && which < INERTIA + 3) {
-        is_known = add_difference(f, data, which, -2 * here, 2 * here, 2 * radius, 4)
-                   && add_difference(f, data, which, -here, here, radius, -5);
-        ball_datum(scale, data, which), divisor = 6;
+    } else if (which < INERTIA + 3 || (which >= PRODUCTS && which < PRODUCTS + 3)) {
+        is_known = find_numbers(f, data, which);
     } else {
         is_known = add_difference(f, data, which, 0, 1, 0, 1);
     }
@@ -329,7 +349,7 @@ int ball_field_init(ball_field *f, const top_data *data, slong bits) {
     top_data middle = *data;
     int i, is_known, count = 0;
     open_field(f, bits), memset(middle.radius, 0, sizeof middle.radius);
-    is_known = find_numbers(f, &middle), change_unit(f, choose_unit(f));
+    is_known = find_numbers(f, &middle, NONE), change_unit(f, choose_unit(f));
     for (i = 0; i < DATA; i++) count += data->radius[i] > 0;
     if (count > 0) f->moved = flint_calloc((size_t)count, sizeof *f->moved);
     for (i = 0; i < DATA && is_known; i++)

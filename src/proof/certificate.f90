@@ -42,7 +42,7 @@ module spintop_certificate
         'the motion takes too many steps', &
         'this build has no FLINT', &
         'dry friction, drag of the air and tables of friction or torques are not enclosed', &
-        'the radii are not those of the numbers that give the start, or belong to an inertia tensor', &
+        'the radii are not those of the numbers that give the start', &
         'a moment of inertia is zero, or a number is not finite', &
         'not enough memory']
 
@@ -54,7 +54,7 @@ module spintop_certificate
     character(*), parameter :: balls_hint = 'SPINTOP_FLINT=1 scripts/run ... makes a build with FLINT'
 
     !> Numbers that describe a motion in balls.h; how many of them may have radii: the first.
-    integer, parameter :: data_count = 65, radius_count = 24
+    integer, parameter :: data_count = 65, radius_count = 27
     !> The effects that the equations in balls have: those whose equations are polynomials.
     integer, parameter :: ball_effects = effect_lift + effect_shake + effect_frame + effect_rotor + effect_drive + effect_torque &
         + effect_harmonic
@@ -165,8 +165,7 @@ contains
         real(dp), intent(in) :: radius(data_count)
         reason = proved
         if ((start%gives_quaternion .and. any(radius(6:8) > 0)) .or. (start%gives_omega .and. any(radius(9:11) > 0)) &
-            .or. (.not. start%gives_omega .and. any(radius(12:14) > 0)) &
-            .or. (body%has_products() .and. any(radius(1:3) > 0))) reason = other_radii
+            .or. (.not. start%gives_omega .and. any(radius(12:14) > 0))) reason = other_radii
         if (allocated(body%effects)) then
             if (.not. body%effects%only(ball_effects)) reason = not_polynomial
         end if

@@ -56,7 +56,7 @@ module spintop_scene_keys
     !> The contents of the group, in the units of the keys; nothing has a value unless the input gives it.
     type :: uncertainty_scene_t
         real(dp) :: mass = unset, gravity = unset, length = unset
-        real(dp) :: inertia(3) = unset, centre_of_mass(3) = unset, damping(3) = unset
+        real(dp) :: inertia(3) = unset, inertia_tensor(3, 3) = unset, centre_of_mass(3) = unset, damping(3) = unset
         real(dp) :: angle(3) = unset, angle_deg(3) = unset, rate(3) = unset
         real(dp) :: omega3 = unset, omega(3) = unset
     end type uncertainty_scene_t
@@ -411,6 +411,8 @@ contains
         call table%add(top // 'gravity', scene%gravity, 'm/s^2', range, 'radius of gravity')
         call table%add(top // 'length', scene%length, 'm', range, 'radius of the length')
         call table%add(top // 'inertia', scene%inertia, 'kg m^2', range, 'radii of the moments of inertia')
+        call table%add(top // 'inertia_tensor', scene%inertia_tensor, 'kg m^2', range, 'radii of the inertia tensor', &
+                       elements=any_elements)
         call table%add(top // 'centre_of_mass', scene%centre_of_mass, 'm', range, 'radii of the centre of mass')
         call table%add(top // 'damping', scene%damping, 'N m s', range, 'radii of the damping coefficients')
         call add_each(table, initial, '', scene%angle, 'rad', ranges, spread('radius of that angle', 1, 3))

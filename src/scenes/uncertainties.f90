@@ -12,19 +12,23 @@ module spintop_uncertainties
 contains
 
     !> Radii of the moments of inertia, m, g, phi, theta, psi and their rates, or omega3 in place of psi'; omega, quaternion,
-    !> centre of mass, damping: the order of the data in spintop_certificate. 0 where none is given. A length is that of the
-    !> centre of mass on body z.
+    !> centre of mass, damping, products of inertia: the order of the data in spintop_certificate. 0 where none is given. A
+    !> length is that of the centre of mass on body z.
     pure function data_radii(scene) result(radii)
         type(scene_t), intent(in) :: scene !! contents of the input
         real(dp) :: radii(radius_count)
-        real(dp) :: angle(3)
+        real(dp) :: angle(3), tensor(3, 3)
+        integer :: i
+        tensor = given(scene%uncertainty%inertia_tensor)
+        tensor = max(tensor, transpose(tensor))
         angle = given(scene%uncertainty%angle)
         ! Rounded up, as the product may be rounded down.
         where (is_set(scene%uncertainty%angle_deg)) angle = scene%uncertainty%angle_deg * degree * (1 + 4 * epsilon(degree))
         associate (of => scene%uncertainty)
-            radii = [given(of%inertia), given(of%mass), given(of%gravity), angle, given(of%rate(1:2)), &
-                     max(given(of%rate(3)), given(of%omega3)), given(of%omega), spread(0.0_dp, 1, 4), &
-                     given(of%centre_of_mass(1:2)), max(given(of%centre_of_mass(3)), given(of%length)), given(of%damping)]
+            radii = [(max(given(of%inertia(i)), tensor(i, i)), i=1, 3), given(of%mass), given(of%gravity), angle, &
+                     given(of%rate(1:2)), max(given(of%rate(3)), given(of%omega3)), given(of%omega), spread(0.0_dp, 1, 4), &
+                     given(of%centre_of_mass(1:2)), max(given(of%centre_of_mass(3)), given(of%length)), given(of%damping), &
+                     tensor(2, 3), tensor(3, 1), tensor(1, 2)]
         end associate
     end function data_radii
 
@@ -34,7 +38,8 @@ contains
         has_radii = any(is_set([scene%uncertainty%mass, scene%uncertainty%gravity, scene%uncertainty%length, &
                                 scene%uncertainty%inertia, scene%uncertainty%angle, scene%uncertainty%angle_deg, &
                                 scene%uncertainty%rate, scene%uncertainty%omega3, scene%uncertainty%omega, &
-                                scene%uncertainty%centre_of_mass, scene%uncertainty%damping]))
+                                scene%uncertainty%centre_of_mass, scene%uncertainty%damping, &
+                                scene%uncertainty%inertia_tensor]))
     end function has_radii
 
     !> Reports radii of numbers that are not data of this input, and radii that nothing uses.
@@ -52,13 +57,15 @@ contains
             &radii could widen', 'add columns such as theta_bound')
         if (scene%shape /= 'inertia') then
             if (any(is_set([scene%uncertainty%mass, scene%uncertainty%inertia, scene%uncertainty%length, &
-                            scene%uncertainty%centre_of_mass]))) then
+                            scene%uncertainty%centre_of_mass, scene%uncertainty%inertia_tensor]))) then
                 call problems%add('uncertainty', 'the radii of mass, inertia, length and centre of mass &
                                   &belong to shape = ''inertia''', &
                                   'give the body by its mass properties')
             end if
         end if
         call need(scene%uncertainty%mass, scene%mass, 'top.mass')
+        call need(maxval(scene%uncertainty%inertia), minval(scene%inertia), 'top.inertia')
+        call need(maxval(scene%uncertainty%inertia_tensor), maxval(scene%inertia_tensor), 'top.inertia_tensor')
         call need(scene%uncertainty%length, scene%length, 'top.length')
         call need(scene%uncertainty%omega3, scene%omega3, 'initial.omega3')
         do i = 1, 3
@@ -82,8 +89,9 @@ contains
             call problems%add('uncertainty.initial.psi_rate', 'the spin is not given by psi_rate', &
                               'give the radius of what is given')
         end if
-        if (scene%inertia_about /= 'pivot' .and. any(is_set(scene%uncertainty%inertia))) then
-            call problems%add('uncertainty.top.inertia', 'the moments of inertia are not those about the pivot', &
+        if (scene%inertia_about /= 'pivot' .and. &
+            any(is_set([scene%uncertainty%inertia, scene%uncertainty%inertia_tensor]))) then
+            call problems%add('uncertainty.top', 'the moments of inertia are not those about the pivot', &
                               'give them about the pivot')
         end if
 

@@ -186,6 +186,30 @@ def test_uncertainty_of_any_body(spin):
         assert exact + 1e-10 < largest(rows.orientation_bound) < 1e-6
 
 
+TENSOR = TOP.replace(
+    "inertia = 0.875, 0.875, 0.25",
+    "inertia_tensor(1,:) = 0.875, 0.1, 0.05  inertia_tensor(2,2:3) = 0.8, 0.02"
+    "  inertia_tensor(3,3) = 0.25",
+)
+
+
+def test_uncertainty_of_a_tensor(spin):
+    """Of any of its elements; one below the diagonal is that above it."""
+    assert "inertia_tensor" in TENSOR
+    exact = largest(spin(TENSOR, UNCERTAIN[-1]).rows.orientation_bound)
+    bounds = []
+    for element in ("1,1", "1,2", "2,1", "2,3"):
+        radius = f"uncertainty.top.inertia_tensor({element})=1e-9"
+        rows = spin(TENSOR, UNCERTAIN[-1], radius).rows
+        assert set(rows.proof) == {"proved"}
+        bounds.append(largest(rows.orientation_bound))
+        assert exact + 1e-10 < bounds[-1] < 1e-6
+    assert bounds[1] == bounds[2]
+    assert " 0 wrong" in verify(spin)
+    said = spin.refuse(TENSOR, "--check", UNCERTAIN[-1], "uncertainty.top.inertia=1e-9,1e-9,1e-9")
+    assert "top.inertia is not given" in said
+
+
 def test_lost_bounds(spin):
     said = spin(TOP, *UNCERTAIN, "uncertainty.top.length=1e-4", "span.t_end=60").out
     assert re.search(r"unproved \(.*\), the first at t = [1-9]", said)
@@ -381,6 +405,7 @@ def test_inputs(spin):
     "radius, words",
     ("uncertainty.initial.theta=1e-9", "the attitude is given by a quaternion"),
     ("uncertainty.initial.phi_rate=1e-9", "the angular velocity is given by omega"),
+    ("uncertainty.top.inertia_tensor(1,2)=1e-9", "top.inertia_tensor is not given"),
 )
 def test_uncertainty_of_what_is_not_given(spin, radius, words):
     assert words in spin.refuse(FREE, "--check", radius, "output.columns=t,theta,theta_bound")

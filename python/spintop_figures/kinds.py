@@ -1,6 +1,7 @@
 """Kinds of figures. A figure is a function with a line that says to which tables it belongs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from difflib import get_close_matches
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
@@ -61,6 +62,14 @@ class FigureKind(NamedTuple):
             and not table.missing(self.words + self.columns)
             and not (broken(self.assumes, table) or self.objection(table))
         )
+
+
+def unknown(name: str, kinds: Sequence[FigureKind]) -> str:
+    """What is wrong with the name of a figure that does not exist."""
+    known = [kind.name for kind in kinds]
+    near = get_close_matches(name, known, 1)
+    hint = f"did you mean {near[0]!r}?" if near else f"there are {', '.join(known)}"
+    return f"there is no figure {name}; {hint}"
 
 
 FIGURES: list[FigureKind] = []

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind
+from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind, unknown
 from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options
 from spintop_figures.style.page import describe_run, new_figure
@@ -101,9 +101,8 @@ def choose_figures(
 ) -> tuple[list[FigureKind], list[str]]:
     """The figures to draw from a table, and what is wrong with those that should be drawn too."""
     table = in_own_units(table)
-    if unknown := set(names or ()) - {kind.name for kind in FIGURES}:
-        known = ", ".join(kind.name for kind in FIGURES)
-        return [], [f"there is no figure {min(unknown)}; there are {known}"]
+    if wrong := set(names or ()) - {kind.name for kind in FIGURES}:
+        return [], [unknown(min(wrong), FIGURES)]
     wanted = [
         each for each in FIGURES if (each.name in names if names else each.is_expected(table))
     ]
@@ -129,7 +128,7 @@ def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> 
     else:
         kinds = {kind.name: kind for kind in (FIGURES if alone else COMPARISONS)}
         if name not in kinds:
-            raise TableError(f"there is no figure {name}; there are {', '.join(kinds)}")
+            raise TableError(unknown(name, list(kinds.values())))
         kind = kinds[name]
     for table in [tables] if alone else tables:
         if refusal := kind.refusal(table):

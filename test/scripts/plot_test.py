@@ -181,8 +181,13 @@ class PlotTest(TableCase):
         none = self.put("none.csv", some_events(0))
         blocked = table / "folder"
         expected = {
-            ("--figure", "pie", table): (2, "invalid choice: 'pie'"),
             ("--figure", "traces", table): (2, "all tables together: give --together traces"),
+            ("--figure", "pie", table): (2, "there is no figure pie; there are angles, "),
+            ("--figure", "angels", table): (2, "no figure angels; did you mean 'angles'?"),
+            ("--figure", "angles", table): (
+                2,
+                "no angles figure; --y R1,R2,R3,R4 draws what it has",
+            ),
             ("--figure", "path", table): (2, "a.csv: has no column com_x, com_y, com_z: no path"),
             ("--figure", "verdicts", table): (2, "a.csv: is no table of the kind stability"),
             ("--figure", "maps", clash): (2, "a.csv: is no sweep over two parameters"),

@@ -1,13 +1,22 @@
 """Kinds of figures. A figure is a function with a line that says to which tables it belongs."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from difflib import get_close_matches
 from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
 from spintop_figures.moving.assumptions import Assumption, broken
-from spintop_figures.style.look import DEFAULT, Options, the_look
+from spintop_figures.style.look import (
+    DEFAULT,
+    LETTERS,
+    SLIDE_HEIGHT,
+    SMALLEST,
+    Options,
+    scale,
+    the_look,
+)
 from spintop_figures.style.page import finish
 from spintop_figures.tables.table import Table, TableError, in_own_units
 
@@ -32,7 +41,21 @@ class FigureKind(NamedTuple):
     """What holds for the scenes that it is true for."""
 
     def draw(self, tables: Table | Sequence[Table], options: Options = DEFAULT) -> Figure:
-        """Draw the figure of a table, or of all tables that are compared, in the look of all."""
+        """Draw the figure of a table, or of all tables that are compared, in the look of all.
+
+        Letters are smaller where it would be too high for a slide, so that its panels are wider.
+        """
+        figure = self.draw_once(tables, options)
+        while options.width == "slide" and figure.get_size_inches()[1] > SLIDE_HEIGHT:
+            with the_look(figure.options):
+                letters = LETTERS * scale() * 0.93
+            if options.font_size or letters < SMALLEST:
+                raise TableError(f"does not fit on a slide: no {self.name} figure")
+            figure = self.draw_once(tables, replace(options, font_size=letters))
+        return figure
+
+    def draw_once(self, tables: Table | Sequence[Table], options: Options) -> Figure:
+        """Draw it, however high it is."""
         alone = isinstance(tables, Table)
         with the_look(options):
             try:

@@ -171,9 +171,13 @@ class FigureLookTest(TableCase):
             figure = draw(table, "angles", width=width)
             inches = WIDTHS.get(width, width) * CENTIMETRE
             self.assertAlmostEqual(figure.get_size_inches()[0], inches)
+            if width == "slide":
+                assert figure.get_size_inches()[1] <= inches * 9 / 16
             sizes[width] = figure.axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(sizes["column"], 8)
-        assert sizes["slide"] > 13
+        assert sizes["slide"] > 9
+        with self.assertRaisesRegex(TableError, "does not fit on a slide: no angles figure"):
+            draw(table, "angles", width="slide", font_size=20)
         letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(letters, 12)
         page = self.read(a_sweep())
@@ -186,6 +190,7 @@ class FigureLookTest(TableCase):
             ({"width": "wide"}, "a width is column, page, slide or centimetres, not 'wide'"),
             ({"width": 3}, "a width is 6 to 100 centimetres, not 3"),
             ({"font_size": 3}, "letters have 6.5 to 72 points, not 3"),
+            ({"font_size": 60, "width": 8.5}, "letters of 60 points need a width of 37 cm"),
             ({"style": "nowhere"}, "there is no style sheet nowhere"),
             ({"log": "x"}, "name them by y"),
             ({"y": "theta", "log": "z"}, "log axes are x, y or xy"),

@@ -1,6 +1,7 @@
 """The look of all figures: colours by their role, settings of matplotlib, what a user asks for."""
 
 import csv
+import math
 import shutil
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -21,6 +22,9 @@ WIDTHS = {"column": 8.5, "page": 18.3, "slide": 25.4}
 
 WIDTH, LETTERS, SMALLEST = 7.2, 10.0, 6.5
 """Inches of a page, points of its letters and of the smallest that can be read."""
+
+NARROWEST, SLIDE_HEIGHT = 2.4, WIDTHS["slide"] * 9 / 16 * CENTIMETRE
+"""Inches of the narrowest figure with the usual letters; inches of the height of a slide."""
 
 with Path(__file__).with_name("colours.csv").open(encoding="utf-8", newline="") as file:
     ROLES = {row["role"]: (row["light"], row["dark"]) for row in csv.DictReader(file)}
@@ -105,7 +109,11 @@ class Options:
                 raise ValueError(f"the range of {axis} has to end above its begin")
         if (self.log or self.range) and not self.y:
             raise ValueError("log axes and ranges are of chosen columns: name them by y")
-        self.sheet()
+        letters = self.font_size or self.sheet().get("font.size", 0)
+        least = letters / LETTERS * NARROWEST
+        if self.inches() < least:
+            least = math.ceil(least / CENTIMETRE)
+            raise ValueError(f"letters of {letters:g} points need a width of {least} cm")
 
     def inches(self) -> float:
         """The width in inches."""

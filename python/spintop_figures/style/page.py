@@ -33,6 +33,9 @@ from spintop_figures.tables.table import Table, TableError, printable
 TITLE_LETTERS = 10.3
 """Letters in an inch of titles."""
 
+PANEL_WIDTH = 3.55
+"""Of each of many panels, in inches."""
+
 TIME = "time t", "s"
 
 
@@ -101,13 +104,14 @@ def panel_figure(
     across: int | None = None,
     ratios: Sequence[float] = (),
 ) -> tuple[Page, list[Axes]]:
-    """A figure of panels that share axes, all of one size, two in a row on a page.
+    """A figure of panels that share axes, all of one size, two in a row on a page, more if wider.
 
     Heights, in inches: of a row, of all rows at least, and of what is above and below them, and the
     ratios of rows where they differ. A foot is a last row of the grid for a legend.
     """
-    across = min(count, across or look.by_width(2, 1))
-    down = -(-count // across)
+    most = across or max(look.by_width(2, 1), int(look.drawn_width() / PANEL_WIDTH))
+    down = -(-count // most)
+    across = min(count, most) if across else -(-count // down)
     figure = new_figure(tables, title, above + max(height * down, least))
     ratios = [*(ratios or [1.0] * down), *[0.01] * has_foot]
     grid = figure.add_gridspec(len(ratios), across, height_ratios=ratios)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from conftest import each, largest, output
+from conftest import ROOT, each, largest, output
 from spintop_figures.registry import choose_figures
 from spintop_figures.tables.table import read_table
 
@@ -142,6 +142,60 @@ def test_law_of_a_spin_down(spin):
     known = np.array([2e-4, 4e-5, 4e-6, 10])
     assert (abs(rows.estimate - known) < 3 * rows.standard_error).all()
     assert (rows.standard_error < 0.1 * rows.estimate).all()
+
+
+RUNS = """\
+&study kind = 'fit' /
+&fit data = 'slow.csv', 'fast.csv', unknown = 'top.inertia(1)', 'top.inertia(3)'
+     unknown_each = 'initial.psi_rate', start_each(1,:) = 10.1, 17.8 /
+"""
+
+
+def test_runs_in_files(spin):
+    """Runs with other spins, units and columns; each has its residuals, and a poor one its name."""
+    slow, fast = (measure(spin, TOP.replace("= 14", f"= {spin_rate}")) for spin_rate in (10, 18))
+    fast = fast[["t", "phi", "theta"]].rename(columns={"t": "t_ms"}).assign(t_ms=1e3 * fast.t)
+    files = {"slow": noisy(slow, 1), "fast": noisy(fast[::2], 2)}
+    run = spin(OTHERS + RUNS, **files)
+    rows = run.rows
+    own = ["initial.psi_rate[1]", "initial.psi_rate[2]"]
+    assert list(rows.parameter) == ["top.inertia(1)", "top.inertia(3)", *own]
+    assert (abs(rows.estimate - [0.875, 0.25, 10, 18]) < 4 * rows.standard_error).all()
+    assert list(rows.start[2:]) == [10.1, 17.8]
+    assert f"covariance__{own[1]}" in rows
+    assert len(run.table("residuals")) == 61
+    assert list(run.table("residuals2"))[:4] == ["t_ms", "phi", "phi_fit", "phi_residual"]
+    files["fast"] = noisy(fast.assign(phi=fast.phi + 0.1 * np.sin(fast.t_ms / 500)), 2)
+    poor = spin(OTHERS + RUNS, code=3, **files)
+    assert "poor_fit: " in poor.status
+    assert "run 2, fast.csv: " in poor.status
+    assert "slow.csv" not in poor.status
+    error = spin.refuse(OTHERS + RUNS.replace("fast.csv", "none.csv"), **files)
+    assert "run 2, none.csv: cannot read" in error
+    assert "1 error" in error
+    error = spin.refuse(OTHERS + RUNS.replace("'slow.csv'", "32*'slow.csv'"), **files)
+    assert "too many values for data" in error
+    for wrong in ("start_each(2,:) = 1, 2", "from(3) = 1"):
+        error = spin.refuse(OTHERS + RUNS.replace("17.8", f"17.8, {wrong}"), **files)
+        assert "there is no fit.unknown" in error
+
+
+def test_laws_are_compared(spin):
+    """The criterion prefers the law that is true, and strong correlations are named."""
+    law = "'effects.friction_torque', 'top.damping(3)', 'effects.drag_moment(3)', 'initial.omega3'"
+    told = {}
+    for unknown in (law, law.replace("'effects.friction_torque', ", "")):
+        text = (ROOT / "input/spin_down.nml").read_text(encoding="utf-8").replace(law, unknown)
+        if unknown != law:
+            text = text.replace("friction_torque = 1e-4", "friction_torque = 0")
+        spin.write((ROOT / "input/spin_down.csv").read_text(encoding="utf-8"), "spin_down.csv")
+        run = spin(text, code=(0, 3))
+        (line,) = (line for line in run.out.splitlines() if line.startswith("  AIC"))
+        told[unknown] = float(line.split()[1])
+        assert f"# AIC: {line.split()[1]}\n" in run.path.read_text(encoding="utf-8")
+        assert "top.damping(3) and effects.drag_moment(3) -0.9" in run.out
+    assert told[law] < min(told.values()) + 1e-9
+    assert max(told.values()) - told[law] > 10
 
 
 def test_what_is_not_identifiable(spin):

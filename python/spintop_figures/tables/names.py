@@ -86,6 +86,8 @@ def find_name(key: str) -> Name:
         known = Name(f"{known.words} {sign or place}", sign=sign)
     if group == "initial" and name in INITIAL:
         known = Name(f"initial {known.words}", at_start(known.formula), at_start(known.sign))
+    if group in ("offset", "scale"):
+        known = Name(f"{group} of {known.sign or known.words}")
     return known._replace(words=f"{known.words} of part {part or 1}") if group == "part" else known
 
 

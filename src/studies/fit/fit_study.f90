@@ -286,8 +286,11 @@ contains
             call summary%add('chi2', rounded(judgement%chi2, 6) // ' for ' // to_text(judgement%freedom) // &
                              ' degrees of freedom, probability ' // rounded(judgement%probability, 3))
         else
-            text = told_deviations(model, minimum, estimate)
-            call summary%add('residuals', 'standard deviation ' // text // ', ' // to_text(m - n) // ' degrees of freedom')
+            do i = 1, size(self%measured)
+                text = self%measured(i)%label // 'standard deviation ' // told_deviations(model, i, minimum, estimate)
+                if (i == size(self%measured)) text = text // ', ' // to_text(m - n) // ' degrees of freedom'
+                call summary%add('residuals', text)
+            end do
         end if
         if (model%loss%is_robust()) then
             call summary%add('loss', trim(loss_names(model%loss%kind)) // ': ' // &
@@ -339,35 +342,28 @@ contains
         text = trim(adjustl(buffer))
     end function fixed
 
-    !> The standard deviations that were found of the columns of each run, with their units where they differ.
-    function told_deviations(model, minimum, estimate) result(text)
+    !> The standard deviations that were found of the columns of a run, with their units where those of some run differ.
+    function told_deviations(model, run, minimum, estimate) result(text)
         type(fit_model_t), intent(in) :: model
+        integer, intent(in) :: run
         type(minimum_t), intent(in) :: minimum
         type(estimate_t), intent(in) :: estimate
         character(:), allocatable :: text
         real(dp) :: deviation
-        integer :: i, run
+        integer :: i
 
         deviation = estimate%deviation
         if (model%loss%is_robust()) deviation = robust_deviation(minimum%residuals, size(minimum%x))
-        text = ''
-        associate (first => model%measured(1)%sigma(1, 1))
-            if (.not. any([(any(abs(model%measured(run)%sigma - first) > 0), run=1, size(model%measured))])) then
-                text = rounded(deviation * first, 6)
-                return
-            end if
+        associate (measured => model%measured(run), first => model%measured(1)%sigma(1, 1))
+            text = rounded(deviation * first, 6)
+            if (.not. any([(any(abs(model%measured(i)%sigma - first) > 0), i=1, size(model%measured))])) return
+            do i = 1, size(measured%columns)
+                if (i == 1) text = ''
+                if (i > 1) text = text // ', '
+                text = text // trim(measured%columns(i)%name) // ' ' // rounded(deviation * measured%sigma(i, 1), 4)
+                if (measured%columns(i)%unit /= '') text = text // ' ' // trim(measured%columns(i)%unit)
+            end do
         end associate
-        do run = 1, size(model%measured)
-            associate (measured => model%measured(run))
-                do i = 1, size(measured%columns)
-                    if (text /= '') text = text // ', '
-                    text = text // trim(measured%columns(i)%name)
-                    if (size(model%measured) > 1) text = text // '[' // to_text(run) // ']'
-                    text = text // ' ' // rounded(deviation * measured%sigma(i, 1), 4)
-                    if (measured%columns(i)%unit /= '') text = text // ' ' // trim(measured%columns(i)%unit)
-                end do
-            end associate
-        end do
     end function told_deviations
 
     !> Path of the table of residuals of a run: that of the first has no number.

@@ -41,6 +41,7 @@ contains
         allocate (sought%keys(0))
         associate (fit => job%input%scene%fit)
             do i = 1, size(fit%unknown)
+                if (fit%unknown(i) == '') call refuse_given([fit%from(i), fit%to(i)], 'fit.from', 'fit.unknown(')
                 if (fit%unknown(i) == '') cycle
                 call find_one(trim(fit%unknown(i)), any_run=.true.)
                 if (problem == '') call check_range(fit, i, sought%keys(key)%slot%get(), problem, hint)
@@ -48,6 +49,7 @@ contains
             end do
             common = size(sought%keys)
             do i = 1, size(fit%unknown_each)
+                if (fit%unknown_each(i) == '') call refuse_given(fit%start_each(i, :), 'fit.start_each', 'fit.unknown_each(')
                 if (fit%unknown_each(i) == '') cycle
                 call find_one(trim(fit%unknown_each(i)), any_run=.false.)
                 if (problem == '' .and. index(fit%unknown_each(i), 'initial.') /= 1 .and. &
@@ -65,6 +67,14 @@ contains
         end associate
 
     contains
+
+        !> Refuses values of what is not sought.
+        subroutine refuse_given(values, key, of)
+            real(dp), intent(in) :: values(:)
+            character(*), intent(in) :: key, of
+            if (any(is_set(values))) call problems%add(key, 'there is no ' // of // to_text(i) // ')', &
+                                                       'name what is sought, or omit the values')
+        end subroutine refuse_given
 
         !> Finds the key of a number, which has to be a new one.
         subroutine find_one(name, any_run)
@@ -198,8 +208,10 @@ contains
         else
             column = name(index(name, '.') + 1:)
             do run = 1, size(measured)
-                k = 0
-                if (allocated(measured(run)%columns)) k = place_of(measured(run)%columns, column)
+                ! A run that cannot be read was refused.
+                is_measured(run) = .true.
+                if (.not. allocated(measured(run)%columns)) cycle
+                k = place_of(measured(run)%columns, column)
                 is_measured(run) = k > 0
                 if (k == 0) cycle
                 if (index(name, 'offset.') == 1) then

@@ -3,6 +3,7 @@
 !> A formulation is prepared once for a body and a start and does not change afterwards, so threads may share
 !> it. States are arrays of fixed size; unused components are zero.
 module spintop_formulation
+    use, intrinsic :: iso_c_binding, only: c_int
     use spintop_attitude, only: quaternion_product
     use spintop_kinds, only: dp, epsilon_dp, qp, xp
     use spintop_body, only: body_t
@@ -79,6 +80,10 @@ module spintop_formulation
         !> Whether the equations hold between two turning points only: `time_left`, `depart` and `arrive`; whether a change of the
         !> state, `reset_speed`, belongs to the equations and follows each accepted step.
         logical :: has_ends = .false., resets_speed = .false.
+        !> With `structure_series`: where the terms of the common denominator of all variables are among those of the series, from 1
+        !> on, and the rate at which the axes of the first two of them turn, rad/s; zeros if there are none.
+        integer(c_int) :: of_denominator = 0
+        real(dp) :: turn_rate = 0
         !> With `structure_split`: whether drift and kick are exact flows, the kick changes rates by a function of the attitude
         !> alone, and the drift is linear in the rates. Runge-Kutta-Nystrom tables need this.
         logical :: splits_as_nystrom = .false.
@@ -97,7 +102,6 @@ module spintop_formulation
         procedure :: invariants => no_invariants
         procedure :: find_stages => find_no_stages
         procedure :: expand => no_series
-        procedure :: unfold => keep_changes
         procedure :: quadruple_start => rounded_start
         procedure :: expand_quadruple => no_quadruple_series
         procedure :: drift => no_flow
@@ -275,24 +279,15 @@ contains
     end subroutine find_no_stages
 
     !> With `structure_series`, Taylor coefficients of the motion that passes through `y` at the time `t`:
-    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, or of other variables that begin as `y` does and from which
-    !> `unfold` makes the state. Where there is no series they are NaN.
+    !> y(t + h) = sum_k coefficient(:, k) h^k, k = 0 .. order, in axes that turn and with a denominator, if there are such. Where
+    !> there is no series they are NaN.
     pure subroutine no_series(self, t, y, order, coefficient)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state about which the series is
         integer, intent(in) :: order !! at most `max_series_order`
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! columns to `order` are set
+        real(dp), intent(out) :: coefficient(max_states, 0:order) !! the coefficient of h^k in column k
         coefficient = 0
     end subroutine no_series
-
-    !> Makes the changes of the state `y` after some times of those of the variables of the series. Where these are the state,
-    !> nothing is left to do.
-    pure subroutine keep_changes(self, y, n, h, change)
-        class(formulation_t), intent(in) :: self
-        integer, intent(in) :: n !! number of times
-        real(dp), intent(in) :: y(max_states), h(n) !! state at the beginning of the step; times, s
-        real(dp), intent(inout) :: change(n, max_states) !! of the variables, then of the state
-    end subroutine keep_changes
 
     !> With `structure_quadruple`, the state at the start in quadruple precision; zero if it is the one in double precision.
     pure function rounded_start(self) result(y)

@@ -319,7 +319,7 @@ contains
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order)
+        real(dp), intent(out) :: coefficient(max_states, 0:order)
         real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:order)
         integer(c_int) :: exists
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)

@@ -34,7 +34,6 @@ module spintop_space_frame
         procedure :: kinematics
         procedure :: invariants
         procedure :: expand
-        procedure :: unfold
         procedure :: quadruple_start
         procedure :: expand_quadruple
         procedure :: drift
@@ -83,6 +82,8 @@ contains
         self%splits_as_nystrom = .true.
         self%mgl = body%mgl()
         self%top = symmetric_top_t(self%i1, self%mgl / self%i1, self%vertical / self%i1)
+        self%of_denominator = 6
+        self%turn_rate = self%top%turn_rate
         y = 0
         y(1:2) = momentum(1:2)
         y(3:6) = start%quaternion
@@ -205,36 +206,15 @@ contains
     !>
     !> These series converge as far as to the next complex time at which the motion has a pole. As elliptic functions and their
     !> integrals, the variables are quotients with a common denominator D, (log D)'' = -v/2, of functions that have no poles
-    !> (Whittaker, Analytical Dynamics, chapter VI). The coefficients are those of D times the changes of L and p, and in the
-    !> place of v those of D, so that steps may be several times longer. At the finest tolerances D is 1: see top_series.h.
+    !> (Whittaker, Analytical Dynamics, chapter VI). The coefficients in the place of v are those of D, and D times the changes of
+    !> L and p is summed, so that steps may be several times longer. At the finest tolerances D is not used: see top_series.h.
     pure subroutine expand(self, t, y, order, coefficient)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         integer, intent(in) :: order !! order of the highest coefficient
-        real(dp), intent(out) :: coefficient(max_states, 0:max_series_order) !! column k is the coefficient of h^k
+        real(dp), intent(out) :: coefficient(max_states, 0:order) !! column k is the coefficient of h^k
         call c_expand(order, self%top, y, acceleration_share, acceleration_rest, coefficient)
     end subroutine expand
-
-    !> Divides by the denominator, and rotates L back to axes at rest.
-    pure subroutine unfold(self, y, n, h, change)
-        class(space_frame_t), intent(in) :: self
-        integer, intent(in) :: n
-        real(dp), intent(in) :: y(max_states), h(n)
-        real(dp), intent(inout) :: change(n, max_states)
-        real(dp) :: angle, sinc, drop, l1, l2
-        integer :: i
-
-        do i = 1, n
-            change(i, :6) = change(i, :6) / (1 + change(i, 7))
-            change(i, 7:) = 0
-            angle = self%top%turn_rate * h(i) / 2
-            call half_turn(angle**2, sinc, drop)
-            l1 = y(1) + change(i, 1)
-            l2 = y(2) + change(i, 2)
-            change(i, 1) = change(i, 1) + (drop * l1 - angle * sinc * l2)
-            change(i, 2) = change(i, 2) + (drop * l2 + angle * sinc * l1)
-        end do
-    end subroutine unfold
 
     !> The state at the start.
     pure function quadruple_start(self) result(y)

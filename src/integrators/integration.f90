@@ -110,7 +110,7 @@ module spintop_integration
         class(observer_t), pointer :: observer => null()
         !> The search for events, if there is one, along the last step.
         class(event_search_t), pointer :: search => null()
-        type(step_path_t) :: path
+        type(step_path_t), allocatable :: path
         real(dp), pointer :: samples(:) => null()
         !> Index of the first sample that was not shown, and the number of samples.
         integer :: next = 1, last = 0
@@ -194,6 +194,7 @@ contains
                 call self%segments%begin(stepper, self%stepper, status)
             end if
             if (.not. associated(self%search)) return
+            allocate (self%path)
             if (self%account%is_open) self%path%account => self%account
             self%search%method_noise = noise
             call self%search%begin(body, motion_of_follower(self%follower), start)

@@ -19,8 +19,6 @@ module spintop_stepper
         !> Absolute part of the admissible error of each component, and the part relative to its magnitude, the larger of both ends
         !> of a step.
         real(dp) :: absolute(max_states) = 0, relative(max_states) = 0
-        !> Scale of each component.
-        real(dp) :: scale(max_states) = 1
         !> MATLAB's rule (Shampine and Reichelt, SIAM J. Sci. Comput. 18, 1997): the magnitude below which the error of a component
         !> is absolute. The error is divided by the larger one before it is compared with the relative tolerance.
         real(dp) :: threshold(max_states) = 0
@@ -253,15 +251,14 @@ contains
         type(formulation_info_t) :: info
 
         info = self%formulation%info()
-        associate (weight => self%weight, cyclic => self%formulation%cyclic)
+        associate (weight => self%weight, cyclic => self%formulation%cyclic, scale => self%formulation%scale)
             weight%states = info%states
-            weight%scale = self%formulation%scale
-            weight%absolute = merge(absolute + relative, absolute, cyclic) * weight%scale
+            weight%absolute = merge(absolute + relative, absolute, cyclic) * scale
             weight%relative = merge(rounding, relative, cyclic)
             weight%threshold = absolute / relative
             ! The formulations of the paper have angles as a state, and no quaternion. For them MATLAB's rule has
             ! its original meaning, in SI units.
-            if (info%quaternion > 0) weight%threshold = weight%threshold * weight%scale
+            if (info%quaternion > 0) weight%threshold = weight%threshold * scale
         end associate
     end subroutine set_weight
 

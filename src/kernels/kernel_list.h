@@ -2,7 +2,7 @@
 // declared (kernels.h), where a table has the builds for a level (kernels_of_level.h), and where Fortran calls them, by their
 // names with spintop_ before (kernels.c).
 
-// top_series.h: terms of the series of the motion of a symmetric top as a quotient.
+// top_series.h: terms of the series of the motion of a symmetric top, and of their denominator.
 PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, const struct symmetric_top *top,
           const double *state, const double *share, const double *share_rest, double *c)
 
@@ -14,13 +14,20 @@ PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, shar
           const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
           const double *law, const double *given, const double *share, const double *share_rest, double *c, int *exists)
 
-// series_terms.h: the time at which the larger of the last two terms reaches the admissible error, not finite if they are not;
-// the change after a time h, the sum of all terms but the first; the changes after several times, of one variable after the
-// other.
-FUNCTION(length_of_step, (order, c, absolute, relative, scale, least, h), int order, const double *c, const double *absolute,
-         const double *relative, const double *scale, double least, double h)
-PROCEDURE(add_terms, (order, c, h, change), int order, const double *c, double h, double *change)
-PROCEDURE(add_terms_at, (order, c, h, change), int order, const double *c, const double *h, double *change)
+// series_terms.h: a step, whose size is returned, not finite if terms are not: the time at which the larger of the last two terms
+// reaches the admissible error, times `safety`, and `growth` times the last size at most; it is stretched to the end where that
+// suffices. `rest` is the rounding error of the state. And the change of the state after a time h, the sum of all terms but the
+// first; the changes after several times, of one variable after the other.
+FUNCTION(take_step,
+         (order, of_denominator, turn_rate, c, absolute, relative, scale, least, last_h, safety, growth, stretch, t, t_end, y,
+          rest, t_new, y_new),
+         int order, int of_denominator, double turn_rate, const double *c, const double *absolute, const double *relative,
+         const double *scale, double least, double last_h, double safety, double growth, double stretch, double t, double t_end,
+         const double *y, double *rest, double *t_new, double *y_new)
+PROCEDURE(add_terms, (order, of_denominator, turn_rate, c, y, h, change), int order, int of_denominator, double turn_rate,
+          const double *c, const double *y, double h, double *change)
+PROCEDURE(add_terms_at, (order, of_denominator, turn_rate, c, y, h, change), int order, int of_denominator, double turn_rate,
+          const double *c, const double *y, const double *h, double *change)
 
 // body_stages.h: the stages `from` to `to`, counted from zero, of a step of size h from y at the time t; c[i] is the time of a
 // stage in the step. Column i of `a`, `stages` apart, has the weights of those before stage i, of which the first and those

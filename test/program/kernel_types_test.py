@@ -123,7 +123,7 @@ def test_constants(folder):
 @each(
     "wrong",
     '_Static_assert(sizeof(struct symmetric_top) == 8, "");',
-    "void spintop_add_terms(int order, const double *c, double h, float *change);",
+    "void spintop_multiply_lanes(int degree, const double *x, const double *y, float *product);",
 )
 def test_differences_are_found(folder, wrong):
     with pytest.raises(AssertionError):

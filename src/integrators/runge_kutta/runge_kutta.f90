@@ -442,8 +442,8 @@ contains
 
         span = run%t_end - run%t
         h = span
-        allowed = run%weight%absolute + run%weight%relative * run%weight%scale
-        size = norm2(run%weight%scale / allowed)
+        allowed = run%weight%absolute + run%weight%relative * run%formulation%scale
+        size = norm2(run%formulation%scale / allowed)
         steepness = norm2(run%slope / allowed)
         if (.not. steepness > 0) return
         unit = size / steepness

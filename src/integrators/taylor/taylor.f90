@@ -24,7 +24,7 @@ module spintop_taylor
     type, extends(stepper_t) :: taylor_t
         !> Order of the series of the last step, and that series.
         integer :: degree = 0
-        real(dp) :: coefficient(max_states, 0:max_series_order) = 0
+        real(dp), allocatable :: coefficient(:, :)
         !> What a coefficient may have lost by underflow, its own or that of products in it.
         real(dp) :: least = 0
     contains
@@ -50,30 +50,32 @@ module spintop_taylor
     !> A step is stretched to the end if this factor suffices.
     real(dp), parameter :: stretch = 1.01_dp
 
+    ! What is done with the terms of a series: kernel_list.h.
     interface
-        !> The time at which the larger of the last two terms reaches the admissible error, s.
-        pure real(c_double) function c_length(order, coefficient, absolute, relative, scale, least, h) &
-            bind(C, name='spintop_length_of_step')
+        real(c_double) function c_take_step(order, of_denominator, turn_rate, coefficient, absolute, relative, scale, least, &
+            last_h, safety, growth, stretch, t, t_end, y, rest, t_new, y_new) bind(C, name='spintop_take_step')
             import :: c_double, c_int
-            integer(c_int), value :: order
-            real(c_double), intent(in) :: coefficient(*), absolute(*), relative(*), scale(*)
-            real(c_double), value :: least, h
-        end function c_length
+            integer(c_int), value :: order, of_denominator
+            real(c_double), value :: turn_rate, least, last_h, safety, growth, stretch, t, t_end
+            real(c_double), dimension(*), intent(in) :: coefficient, absolute, relative, scale, y
+            real(c_double), intent(inout) :: rest(*)
+            real(c_double), intent(out) :: t_new, y_new(*)
+        end function c_take_step
 
-        !> Change of the variables of the series after a time h.
-        pure subroutine c_add_terms(order, coefficient, h, change) bind(C, name='spintop_add_terms')
+        subroutine c_add_terms(order, of_denominator, turn_rate, coefficient, y, h, change) bind(C, name='spintop_add_terms')
             import :: c_double, c_int
-            integer(c_int), value :: order
-            real(c_double), intent(in) :: coefficient(*)
-            real(c_double), value :: h
+            integer(c_int), value :: order, of_denominator
+            real(c_double), value :: turn_rate, h
+            real(c_double), intent(in) :: coefficient(*), y(*)
             real(c_double), intent(out) :: change(*)
         end subroutine c_add_terms
 
-        !> The same after several times.
-        pure subroutine c_add_terms_at(order, coefficient, h, change) bind(C, name='spintop_add_terms_at')
+        subroutine c_add_terms_at(order, of_denominator, turn_rate, coefficient, y, h, change) &
+            bind(C, name='spintop_add_terms_at')
             import :: c_double, c_int
-            integer(c_int), value :: order
-            real(c_double), intent(in) :: coefficient(*), h(*)
+            integer(c_int), value :: order, of_denominator
+            real(c_double), value :: turn_rate
+            real(c_double), intent(in) :: coefficient(*), y(*), h(*)
             real(c_double), intent(out) :: change(*)
         end subroutine c_add_terms_at
     end interface
@@ -113,8 +115,10 @@ contains
         call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
+        if (allocated(self%coefficient)) deallocate (self%coefficient)
+        allocate (self%coefficient(max_states, 0:self%degree))
         ! Products of two variables are multiplied by a rate over a momentum at most, or by a torque.
-        associate (n => self%weight%states, scale => self%weight%scale)
+        associate (n => self%weight%states, scale => self%formulation%scale)
             rate = maxval(abs(self%slope(:n)) / scale(:n))
             self%least = tiny(self%least) * max(1.0_dp, rate / minval(scale(:n)), rate * maxval(scale(:n)))
         end associate
@@ -125,28 +129,25 @@ contains
     subroutine advance(self, status)
         class(taylor_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: h, t_new, change(max_states)
+        real(dp) :: h, t_new, y_new(max_states)
         logical :: changed
 
         call self%formulation%expand(self%t, self%y, self%degree, self%coefficient)
         self%counts%evaluations = self%counts%evaluations + self%degree
-        associate (w => self%weight)
-            h = safety * c_length(self%degree, self%coefficient, w%absolute, w%relative, w%scale, self%least, self%h)
+        associate (w => self%weight, series => self%formulation)
+            h = c_take_step(self%degree, series%of_denominator, series%turn_rate, self%coefficient, w%absolute, w%relative, &
+                            series%scale, self%least, self%h, safety, largest_growth, stretch, self%t, self%t_end, self%y, &
+                            self%rest, t_new, y_new)
         end associate
         status = status_non_finite
         if (.not. abs(h) <= huge(h)) return
-        h = min(largest_growth * self%h, h)
         status = status_step_too_small
         if (h <= smallest_step(h, self%t)) return
         self%h = h
-        t_new = self%t + h
-        if (stretch * h >= self%t_end - self%t) t_new = self%t_end
-        call c_add_terms(self%degree, self%coefficient, t_new - self%t, change)
-        call self%formulation%unfold(self%y, 1, [t_new - self%t], change)
         ! Terms that are NaN do not show in the largest magnitude.
         status = status_non_finite
-        if (.not. all(abs(change) <= huge(1.0_dp))) return
-        call self%accept_change(t_new, change, changed)
+        if (.not. all(abs(y_new) <= huge(h))) return
+        call self%accept_step(t_new, y_new, changed)
         status = status_ok
     end subroutine advance
 
@@ -155,9 +156,10 @@ contains
         class(taylor_t), intent(inout) :: self
         real(dp), intent(in) :: t !! time, s
         real(dp) :: y(max_states), change(max_states)
-        y = self%y
-        call c_add_terms(self%degree, self%coefficient, t - self%t_last, change)
-        call self%formulation%unfold(self%y_last, 1, [t - self%t_last], change)
+        associate (series => self%formulation)
+            call c_add_terms(self%degree, series%of_denominator, series%turn_rate, self%coefficient, self%y_last, &
+                             t - self%t_last, change)
+        end associate
         y = self%y_last + change
     end function state_within
 
@@ -166,13 +168,12 @@ contains
         class(taylor_t), intent(inout) :: self
         real(dp), intent(in) :: t(instants) !! times, s
         real(dp), intent(out) :: y(instants, max_states) !! states
-        real(dp) :: h(instants)
         integer :: n
 
-        y = 0
-        h = t - self%t_last
-        call c_add_terms_at(self%degree, self%coefficient, h, y)
-        call self%formulation%unfold(self%y_last, instants, h, y)
+        associate (series => self%formulation)
+            call c_add_terms_at(self%degree, series%of_denominator, series%turn_rate, self%coefficient, self%y_last, &
+                                t - self%t_last, y)
+        end associate
         do n = 1, max_states
             y(:, n) = self%y_last(n) + y(:, n)
         end do

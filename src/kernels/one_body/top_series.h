@@ -3,9 +3,9 @@
 //
 // All variables have poles at the same complex times, simple ones but for the height v, which is 2/(t - t*)^2 there. So D with
 // D' = w D, w' = -v/2, D(0) = 1 and w(0) = 0 has zeros there and no poles, and the products of D and the variables have none
-// either: their series converge everywhere. The results are the state, and the terms of D (y - y(0)), and in the place of the
-// height those of D. Long steps leave more rounding than short ones: for the finest tolerances, which have the highest
-// orders, D is left at 1.
+// either: their series converge everywhere (series_terms.h). The results are the terms of the variables, and in the place of
+// the height those of D. Long steps leave more rounding than short ones: for the finest tolerances, which have the highest
+// orders, D is not used, and 0.
 
 // The place of the height in a term, by which all are multiplied.
 enum { height = 6 };
@@ -82,34 +82,17 @@ inlined void add_denominator(struct top_terms *s, int k, double share) {
     s->denominator[k + 2] = share * (k + 1) * (even + odd);
 }
 
-// Puts term k of the products to the results.
-inlined void put_product(const struct top_terms *s, int k, double *c) {
-    vector sum[parts], more[parts];
-    for_all(p, parts) sum[p] = s->term[k][p], more[p] = (vector){0};
-    unrolled_far_for(int j = 1; j <= k - 3; j += 2)
-        for_all(p, parts) sum[p] += s->denominator[k - j] * s->term[j][p];
-    unrolled_far_for(int j = 2; j <= k - 3; j += 2)
-        for_all(p, parts) more[p] += s->denominator[k - j] * s->term[j][p];
-    for_all(p, parts) sum[p] += more[p];
-    sum[height / width][height % width] = s->denominator[k];
-    for_all(p, parts) memcpy(c + numbers * k + width * p, &sum[p], sizeof *sum);
-}
-
-// Puts term k itself to the results, without its height, as where D is 1.
+// Puts term k to the results, with that of D in the place of its height.
 inlined void put_term(const struct top_terms *s, int k, double *c) {
-    for_all(p, parts) memcpy(c + numbers * k + width * p, &s->term[k][p], sizeof *s->term[k]);
-    c[numbers * k + height] = 0;
+    for_all(p, parts) store(c + numbers * k + width * p, s->term[k][p]);
+    c[numbers * k + height] = s->is_quotient ? s->denominator[k] : 0;
 }
 
 // Makes term k + 2, and puts it to the results.
 inlined void make_term(struct top_terms *s, int k, struct share share, double *c) {
     add_top_term(s, k, share);
-    if (s->is_quotient) {
-        add_denominator(s, k, share.first);
-        put_product(s, k + 2, c);
-    } else {
-        put_term(s, k + 2, c);
-    }
+    if (s->is_quotient) add_denominator(s, k, share.first);
+    put_term(s, k + 2, c);
 }
 
 static void expand_top(int order, const struct symmetric_top *top, const double *state, const double *share,
@@ -130,21 +113,22 @@ static void expand_top(int order, const struct symmetric_top *top, const double 
     keep_term(&s, 2, term);
     get_parts(term, start.rate);
     keep_term(&s, 1, term);
-    put_term(&s, 0, c), put_term(&s, 1, c), put_term(&s, 2, c);
     s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
-    if (s.is_quotient) c[height] = 1, put_product(&s, 1, c), put_product(&s, 2, c);
+    for_all(k, 3) put_term(&s, k, c);
 #if defined(__AVX__) && !defined(__clang__)
-        // Without loops, so that no branch depends on the number of terms but the one that ends.
+        // The first terms without loops, so that no branch depends on their number but the one that ends: with all of them the
+        // instructions would not fit the cache.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
     make_term(&s, k, share_of(share, share_rest, k), c);
     // clang-format off
     after(1) after(2) after(3) after(4) after(5) after(6) after(7) after(8) after(9) after(10) after(11) after(12)
-    after(13) after(14) after(15) after(16) after(17) after(18) after(19) after(20) after(21) after(22) after(23)
-    after(24) after(25) after(26) after(27) after(28)
+    after(13) after(14) after(15) after(16) after(17) after(18) after(19)
     // clang-format on
 #undef after
+    const int made = 19;
 #else
-    for (int k = 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), c);
+    const int made = 0;
 #endif
+    for (int k = made + 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), c);
 }

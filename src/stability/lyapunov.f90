@@ -118,7 +118,8 @@ contains
         associate (c => run%c, along => self%along)
             do i = 1, lanes
                 if (.not. (abs(along(i)) > 0 .and. run%now%t(i) > run%now%t_last(i))) cycle
-                if (norm2([c(i, 4:6, 1), self%inertia(:, i) * c(i, 1:3, 1) / self%unit(4, i)]) > slow * run%now%scale(i)) cycle
+                if (sum(c(i, 4:6, 1)**2) + sum((self%inertia(:, i) * c(i, 1:3, 1) / self%unit(4, i))**2) &
+                    > (slow * run%now%scale(i))**2) cycle
                 call set_along(self, i, c(i, 1:3, 0), c(i, 1:3, 1))
                 along(i) = 0
             end do

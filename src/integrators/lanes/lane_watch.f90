@@ -215,6 +215,10 @@ contains
         logical :: is_noise(lanes), is_root, is_near
         integer :: i
 
+        if (self%action == keep_extremes) then
+            call keep_roots(self, run, u, slope)
+            return
+        end if
         ! A root is one of noise if since the one before, or before that one, the polynomial was within the noise of the method.
         call evaluate(degree, a, (last + u) / 2, before)
         call evaluate(degree, a, (u + 1) / 2, behind)
@@ -227,14 +231,8 @@ contains
             self%far(i) = merge(abs(behind(i)), self%far(i), is_root)
             last(i) = merge(u(i), last(i), is_root)
         end do
-        select case (self%action)
-        case (stop_motion)
-            call pass(self, run, u, slope, is_noise)
-        case (keep_extremes)
-            call keep_roots(self, run, u, slope)
-        case (count_turns)
-            call count_roots(self, run, u, slope, is_noise)
-        end select
+        if (self%action == stop_motion) call pass(self, run, u, slope, is_noise)
+        if (self%action == count_turns) call count_roots(self, run, u, slope, is_noise)
     end subroutine act
 
     !> Values of the polynomials: even and odd powers side by side.

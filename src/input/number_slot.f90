@@ -16,9 +16,10 @@ module spintop_number_slot
         procedure :: demand
     end type range_t
 
-    !> A real or an integer variable, with real values.
+    !> A real or an integer variable, with real values, which may be in another unit.
     type :: number_slot_t
-        type(range_t) :: range !! of its values
+        type(range_t) :: range !! of the variable
+        real(dp) :: size = 1   !! of the unit of the values, in that of the variable
         real(dp), pointer :: real_value => null()
         integer, pointer :: integer_value => null()
     contains
@@ -37,7 +38,7 @@ contains
         class(number_slot_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value that the variable gets, or would get
         if (associated(self%real_value)) then
-            self%real_value = value
+            self%real_value = value * self%size
         else if (associated(self%integer_value)) then
             self%integer_value = nint(value)
         end if
@@ -48,7 +49,7 @@ contains
         class(number_slot_t), intent(in) :: self
         get = no_number
         if (associated(self%real_value)) then
-            get = self%real_value
+            get = self%real_value / self%size
         else if (associated(self%integer_value)) then
             get = self%integer_value
         end if
@@ -72,7 +73,7 @@ contains
     pure logical function accepts(self, value)
         class(number_slot_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value that the variable gets, or would get
-        accepts = is_finite(value) .and. self%range%contains(value)
+        accepts = is_finite(value) .and. self%range%contains(value * self%size)
         if (accepts .and. associated(self%integer_value)) then
             accepts = is_equal(value, anint(value)) .and. abs(value) < huge(1)
         end if
@@ -87,7 +88,7 @@ contains
         reason = ''
         if (.not. is_finite(value)) then
             reason = 'must be finite'
-        else if (.not. self%range%contains(value)) then
+        else if (.not. self%range%contains(value * self%size)) then
             reason = self%range%demand()
         else if (associated(self%integer_value)) then
             if (.not. is_equal(value, anint(value))) then

@@ -43,10 +43,13 @@ module spintop_units
     !> Their names, for messages.
     character(*), parameter :: unit_words = 'kg, g, m, cm, mm, s, ms, min, h, rad, deg, rev, rpm, N, J'
 
+    !> What a number of degrees may have, as UTF-8.
+    character(*), parameter :: degree_sign = char(194) // char(176)
+
     !> Each `other=unit`: what is written elsewhere, in small letters, and the unit here.
     character(*), parameter :: other_words(*) = [character(18) :: &
         'hz=rev/s', 'cycle=rev', 'cycles=rev', 'revs=rev', 'revolution=rev', 'revolutions=rev', 'u=rev', &
-        'degree=deg', 'degrees=deg', char(194) // char(176) // '=deg', 'radian=rad', 'radians=rad', &
+        'degree=deg', 'degrees=deg', 'radian=rad', 'radians=rad', &
         'sec=s', 'second=s', 'seconds=s', 'minute=min', 'minutes=min', 'hr=h', 'hour=h', 'hours=h', 'day=d', 'days=d', &
         'meter=m', 'metre=m', 'meters=m', 'metres=m', 'inch=in', 'gram=g', 'grams=g', &
         'newton=N', 'joule=J', 'kgm=kg m', 'gcm=g cm', 'nm=N m', 'nms=N m s', 'ncm=N cm', 'js=J s']
@@ -181,6 +184,7 @@ contains
             end if
             after = scan(text(at:) // ' ', ' */^') + at - 1
             name = text(at:after - 1)
+            if (name == degree_sign) name = 'deg'
             power = 1
             at = after
             if (text(at:min(at, len(text))) == '^') then

@@ -137,7 +137,7 @@ contains
         ! No element may be missing that those on the axes require: of a vector all vary or have values.
         allocate (names(size(self%axes%axis)))
         do i = 1, size(names)
-            names(i)%text = self%axes%axis(i)%name
+            names(i)%text = self%axes%axis(i)%key
         end do
         call find_missing_beside(self%input%table, names, missing, given)
         if (missing /= '') call problems%add('sweep', missing // ' is missing', names(given)%text // &
@@ -201,7 +201,7 @@ contains
         class(job_t), intent(in) :: self
         integer, intent(in) :: i !! number of the axis
         associate (parameter => self%input%table%parameters(self%axes%place_of(i, self%input%table)))
-            column = column_t(self%axes%axis(i)%name, parameter%unit, parameter%what)
+            column = column_t(self%axes%axis(i)%name, self%axes%axis(i)%unit, parameter%what)
         end associate
     end function axis_column
 

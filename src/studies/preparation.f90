@@ -3,6 +3,7 @@
 !> deviation of a sensor that of its column. No file that a job writes may replace one that is read, or that another job writes.
 !> Events and columns are selected by the texts of a scene.
 module spintop_preparation
+    use spintop_axes_of_scene, only: find_in_unit
     use spintop_case, only: case_t
     use spintop_certificate, only: balls_hint, balls_missing, has_balls
     use spintop_diagnostics, only: diagnostics_t
@@ -31,6 +32,7 @@ module spintop_preparation
     use spintop_sweep_result, only: sweep_columns
     use spintop_journaled_table, only: refuse_to_discard, stem_of
     use spintop_terminal, only: message_width
+    use spintop_sweep_axes, only: base_of
     use spintop_text, only: append, escaped, string_t, to_text, join
     use spintop_trajectory_columns, only: trajectory_columns
     use spintop_uncertainties, only: check_uncertainties
@@ -264,18 +266,15 @@ contains
         logical, intent(out) :: is_known
         character(*), parameter :: offset = 'offset.'
         type(study_column_t) :: found
-        character(:), allocatable :: problem, hint
-        integer :: place
+        character(:), allocatable :: key, problem, hint
+        real(dp) :: factor
 
         unit = ''
         is_known = .true.
         if (index(name, 'scale.') == 1) return
-        place = table%find(name(:index(name // '(', '(') - 1))
-        if (index(name, 'mounting(') == 1) place = table%find('fit.mounting')
-        if (place > 0) then
-            unit = trim(table%parameters(place)%unit)
-            return
-        end if
+        call find_in_unit(name, table, key, unit, factor, hint)
+        if (index(name, 'mounting(') == 1) call find_in_unit('fit.mounting', table, key, unit, factor, hint)
+        if (table%find(base_of(key)) > 0) return
         associate (column => name(merge(len(offset), 0, index(name, offset) == 1) + 1:))
             call find_column(trajectory_columns, column, found, problem, hint)
             if (found%place == 0) call find_column(sweep_columns, column, found, problem, hint)

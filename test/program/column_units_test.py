@@ -117,14 +117,31 @@ def test_axes(spin):
     assert f"from = {-2 * math.pi!r}" in run.head.replace("(1)", "")
 
 
+@each("law", "from(1) = 30, to(1) = '2 rev/s', count(1) = 4", "values(1,:) = 30, 60, 90, 120")
+def test_axes_named_with_units(spin, law):
+    """The table is in the unit of the name, the motions are those of the key."""
+    columns = output("theta_max", "theta_max__initial.psi_rate")
+    axis = "&sweep parameter(1) = 'initial.psi_rate', values(1,:) = {} /\n"
+    rates = [math.pi * turns for turns in (1, 2, 3, 4)]
+    expected = spin(SWEEP + columns + axis.format(str(rates)[1:-1])).rows
+    run = spin(SWEEP + columns + f"&sweep parameter(1) = 'initial.psi_rate_rpm', {law} /\n")
+    np.testing.assert_allclose(run.rows["initial.psi_rate_rpm"], [30, 60, 90, 120], rtol=1e-14)
+    assert " initial.psi_rate_rpm [rpm]: " in "".join(run.comments)
+    for name in ("theta_max", "theta_max__initial.psi_rate"):
+        np.testing.assert_allclose(run.rows[name], expected[name], rtol=1e-9)
+    refused = run.head.replace("psi_rate_rpm'", "psi_rate_mm'")
+    assert "unknown parameter 'initial.psi_rate_mm'" in spin.refuse(refused)
+
+
 def test_table_of_cases(spin):
     text = "initial.psi_rate_rpm,initial.phi,top.length_cm\n60,0.1,85\n-30,0.2,90\n"
     scene = SWEEP + "&sweep table = 'cases.csv' /\n"
     rows = spin(scene, cases=text).rows
-    expected = [2 * math.pi, -math.pi]
-    np.testing.assert_allclose(rows["initial.psi_rate"], expected, rtol=1e-15)
-    assert list(rows["initial.phi"]) == [0.1, 0.2]
-    np.testing.assert_allclose(rows["top.length"], [0.85, 0.9], rtol=1e-15)
+    own = f"initial.psi_rate,initial.phi,top.length\n{2 * math.pi},0.1,.85\n{-math.pi},0.2,.9\n"
+    expected = spin(scene, cases=own).rows
+    assert list(rows.columns)[1:4] == ["initial.psi_rate_rpm", "initial.phi", "top.length_cm"]
+    assert rows.iloc[:, 1:4].to_numpy().tolist() == [[60, 0.1, 85], [-30, 0.2, 90]]
+    np.testing.assert_allclose(rows["theta_max"], expected["theta_max"], rtol=1e-12)
     said = " ".join(spin.refuse(scene, cases=text.replace("cm", "deg")).split())
     assert "unknown parameter 'top.length_deg'" in said
     assert "top.length is in m; units are m, cm, mm" in said

@@ -8,13 +8,14 @@ module spintop_axes_of_scene
     use spintop_sobol_sequence, only: most_sobol_dimensions
     use spintop_scene_keys, only: max_axes, max_list_axes, scene_t, combination_names, combine_grid, combine_saltelli, &
         combine_sobol, combine_zip
-    use spintop_sweep_axes, only: axes_t, axis_t
+    use spintop_sweep_axes, only: axes_t, axis_t, base_of
     use spintop_sweep_axis, only: factor_covariance, law_lognormal, law_names, law_normal, law_sphere, law_uniform, &
         sphere_attitude, sphere_direction, sphere_inclination, sphere_turn
     use spintop_text, only: join, to_text
+    use spintop_units, only: find_unit, units_of
     implicit none
     private
-    public :: make_axes, find_swept, count_axes
+    public :: make_axes, find_swept, find_axis, find_in_unit, count_axes
 
     !> Parameters of the sweep as a whole, which cannot vary from case to case.
     character(*), parameter :: fixed(*) = [character(15) :: 'sweep.', 'statistics.', 'work_precision.', &
@@ -136,7 +137,7 @@ contains
                               'number the axes without gaps')
             return
         end if
-        call find_swept(axis%name, table, axis%slot, problem, hint)
+        call find_axis(axis, table, problem, hint)
         if (problem /= '') then
             call problems%add(key_of(i, 'parameter'), problem, hint)
             return
@@ -432,6 +433,45 @@ contains
             hint = 'vary a parameter of the top, its start, its span or its integration'
         end do
     end subroutine find_swept
+
+    !> Finds the number of an axis by its name, which may end in a unit.
+    subroutine find_axis(axis, table, problem, hint)
+        type(axis_t), intent(inout) :: axis !! its name; it gets its key, slot and unit
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(:), allocatable, intent(out) :: problem, hint !! why it cannot vary, and what to do; '' if it can vary
+        character(:), allocatable :: units
+        real(dp) :: factor
+        call find_in_unit(axis%name, table, axis%key, axis%unit, factor, units)
+        call find_swept(axis%key, table, axis%slot, problem, hint)
+        axis%slot%size = factor
+        if (problem /= '' .and. units /= '') hint = units
+    end subroutine find_axis
+
+    !> The key and the unit in a name: `initial.omega3_rpm` is the key initial.omega3 in rpm. Any other name is its own key.
+    subroutine find_in_unit(name, table, key, unit, factor, hint)
+        character(*), intent(in) :: name !! of a number of the input
+        type(parameter_table_t), intent(in) :: table !! the parameters of an input
+        character(:), allocatable, intent(out) :: key, unit !! the unit is '' if the key is not known
+        real(dp), intent(out) :: factor !! size of the unit in that of the key
+        character(:), allocatable, intent(out) :: hint !! the units of a known key that has no such unit, or ''
+        character(:), allocatable :: own, problem
+        integer :: last, place
+
+        key = name
+        unit = ''
+        factor = 1
+        hint = ''
+        place = table%find(base_of(name))
+        if (place > 0) unit = trim(table%parameters(place)%unit)
+        last = index(name, '_', back=.true.)
+        if (place > 0 .or. last == 0) return
+        place = table%find(base_of(name(:last - 1)))
+        if (place == 0) return
+        own = trim(table%parameters(place)%unit)
+        call find_unit(name(last + 1:), own, unit, factor, problem)
+        if (problem == '') key = name(:last - 1)
+        if (problem /= '') hint = name(:last - 1) // ' is in ' // own // '; ' // units_of(own)
+    end subroutine find_in_unit
 
     !> A key of an axis: `sweep.from(2)`.
     pure function key_of(i, name) result(key)

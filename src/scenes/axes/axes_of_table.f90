@@ -5,19 +5,17 @@
 !>     0.5,                0.875
 module spintop_axes_of_table
     use, intrinsic :: iso_fortran_env, only: int64
-    use spintop_axes_of_scene, only: count_axes, find_swept
+    use spintop_axes_of_scene, only: count_axes, find_axis
     use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: table_t
-    use spintop_number_slot, only: number_slot_t
     use spintop_parameters, only: parameter_table_t, unset_integer
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, combination_names, combine_grid, combine_zip
     use spintop_sweep_axes, only: axes_t, axis_t
     use spintop_text, only: to_text
-    use spintop_units, only: find_unit, units_of
     implicit none
     private
     public :: read_axes, given_axis_t, make_axes_of_arrays
@@ -42,7 +40,6 @@ contains
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(table_t) :: cases
         type(error_t), allocatable :: error
-        real(dp), allocatable :: sizes(:)
 
         if (count_axes(scene) > 0) then
             call problems%add('sweep.table', 'the cases are given twice', 'give either axes or a table')
@@ -63,24 +60,22 @@ contains
                               // checksum_of(cases%text), 'omit the checksum to accept any table')
         end if
         if (.not. allocated(cases%names)) return
-        call find_parameters(cases, table, axes%axis, sizes, diagnostics)
-        if (size(axes%axis) > 0) call read_values(cases, axes%axis, sizes, diagnostics)
+        call find_parameters(cases, table, axes%axis, diagnostics)
+        if (size(axes%axis) > 0) call read_values(cases, axes%axis, diagnostics)
         if (problems%any() .or. .not. cases%is_valid) return
         call axes%combine(combine_zip, int(axes%axis(1)%count, int64), int(scene%seed, int64))
     end subroutine read_axes
 
-    !> Makes an axis for each column, with the size of its unit in that of its parameter; none if a comma parts a name.
-    subroutine find_parameters(cases, table, axis, sizes, diagnostics)
+    !> Makes an axis for each column; none if a comma parts a name.
+    subroutine find_parameters(cases, table, axis, diagnostics)
         type(table_t), intent(inout) :: cases
         type(parameter_table_t), intent(in) :: table
         type(axis_t), allocatable, intent(out) :: axis(:)
-        real(dp), allocatable, intent(out) :: sizes(:)
         type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: problem, hint
         integer :: i, k
 
         allocate (axis(size(cases%names)))
-        allocate (sizes(size(axis)), source=1.0_dp)
         do i = 1, size(axis)
             axis(i)%name = cases%names(i)%text
             if (index(axis(i)%name, '(') > 0 .and. index(axis(i)%name, ')') == 0) then
@@ -90,8 +85,7 @@ contains
                 allocate (axis(0))
                 return
             end if
-            call find_swept(axis(i)%name, table, axis(i)%slot, problem, hint)
-            if (problem /= '') call find_in_unit(table, axis(i), sizes(i), problem, hint)
+            call find_axis(axis(i), table, problem, hint)
             axis(i)%whole = axis(i)%slot%is_whole()
             if (any([(axis(k)%slot%is_same(axis(i)%slot), k=1, i - 1)])) then
                 problem = axis(i)%name // ' has two columns'
@@ -103,38 +97,10 @@ contains
         end do
     end subroutine find_parameters
 
-    !> Finds the parameter of a column whose name ends in a unit, as `initial.omega3_rpm`. The problem stays if there is none.
-    subroutine find_in_unit(table, axis, size_of_unit, problem, hint)
-        type(parameter_table_t), intent(in) :: table
-        type(axis_t), intent(inout) :: axis !! its name, which then is that of the parameter
-        real(dp), intent(inout) :: size_of_unit
-        character(:), allocatable, intent(inout) :: problem, hint
-        type(number_slot_t) :: slot
-        character(:), allocatable :: name, unit, other_problem, other_hint
-        integer :: last
-
-        last = index(axis%name, '_', back=.true.)
-        name = axis%name(:max(0, last - 1))
-        call find_swept(name, table, slot, other_problem, other_hint)
-        if (other_problem /= '') return
-        associate (parameter => table%parameters(table%find(name(:index(name // '(', '(') - 1))))
-            call find_unit(axis%name(last + 1:), trim(parameter%unit), unit, size_of_unit, other_problem)
-            if (other_problem /= '') then
-                hint = name // ' is in ' // trim(parameter%unit) // '; ' // units_of(trim(parameter%unit))
-                return
-            end if
-        end associate
-        axis%name = name
-        axis%slot = slot
-        problem = ''
-        hint = ''
-    end subroutine find_in_unit
-
     !> Reads the rows into the axes. Values of refused columns are not checked.
-    subroutine read_values(cases, axis, sizes, diagnostics)
+    subroutine read_values(cases, axis, diagnostics)
         type(table_t), intent(inout) :: cases
         type(axis_t), intent(inout) :: axis(:)
-        real(dp), intent(in) :: sizes(:) !! of the units of the columns
         type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: problem, hint
         integer :: row, i
@@ -151,7 +117,6 @@ contains
             do i = 1, size(axis)
                 associate (value => axis(i)%listed(row))
                     call cases%read_number(i, row, value, problem, hint)
-                    value = value * sizes(i)
                     ! A refused column has no rule.
                     if (problem == '' .and. allocated(axis(i)%slot%range%rule)) then
                         problem = axis(i)%slot%refusal(value)
@@ -182,7 +147,7 @@ contains
         do i = 1, size(given)
             associate (axis => axes%axis(i))
                 axis%name = given(i)%name
-                call find_swept(axis%name, table, axis%slot, problem, hint)
+                call find_axis(axis, table, problem, hint)
                 if (any([(axes%axis(k)%slot%is_same(axis%slot), k=1, i - 1)])) then
                     problem = axis%name // ' has two arrays'
                     hint = 'give it one'

@@ -14,7 +14,7 @@ module spintop_sweep_axes
     use spintop_text, only: to_text
     implicit none
     private
-    public :: axes_t, axis_t, case_scene_t
+    public :: axes_t, axis_t, base_of, case_scene_t
 
     !> Designs of the samples, by combination from `combine_random`.
     integer, parameter :: designs(combine_random:combine_saltelli) = [design_random, design_latin_hypercube, design_sobol, &
@@ -246,12 +246,12 @@ contains
         class(axes_t), intent(in) :: self
         integer, intent(in) :: i !! number of the axis
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
-        place_of = table%find(base_of(self%axis(i)%name))
+        place_of = table%find(base_of(self%axis(i)%key))
     end function place_of
 
     !> Name of a parameter without its subscript.
     pure function base_of(name) result(base)
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! as `top.inertia(2)`
         character(:), allocatable :: base
         base = name(:index(name // '(', '(') - 1)
     end function base_of
@@ -261,7 +261,7 @@ contains
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: group !! name of the group, as `top`
         integer :: i
-        varies = any([(index(self%axis(i)%name, group // '.') == 1, i=1, size(self%axis))])
+        varies = any([(index(self%axis(i)%key, group // '.') == 1, i=1, size(self%axis))])
     end function varies
 
     !> The last axis whose parameter, or the vector of which it is an element, has one of these names; 0 if there is none.
@@ -269,7 +269,7 @@ contains
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: names(:) !! the names
         do last_of = size(self%axis), 1, -1
-            if (any(names == base_of(self%axis(last_of)%name))) return
+            if (any(names == base_of(self%axis(last_of)%key))) return
         end do
     end function last_of
 
@@ -310,7 +310,8 @@ contains
         call describe_scene(self%scene, table)
         allocate (self%slots(size(axes%axis)))
         do i = 1, size(self%slots)
-            call table%find_number(axes%axis(i)%name, self%slots(i), problem)
+            call table%find_number(axes%axis(i)%key, self%slots(i), problem)
+            self%slots(i)%size = axes%axis(i)%slot%size
         end do
     end subroutine copy_scene
 

@@ -23,7 +23,8 @@ module spintop_sweep_axis
 
     !> The values of one parameter: a list, an interval, or a distribution.
     type :: axis_t
-        character(:), allocatable :: name
+        !> Its name, which may end in a unit, as `initial.omega3_rpm`; the key, as `initial.omega3`; the unit of the values.
+        character(:), allocatable :: name, key, unit
         !> Where its value stands in the scene that describes the axes.
         type(number_slot_t) :: slot
         !> Number of values; 0 for an interval of random values.

@@ -572,12 +572,12 @@ contains
             own%columns = wanted%columns()
             allocate (own%axes%axis(axes))
             do i = 1, size(job%axes%axis)
-                own%axes%axis(i)%name = job%axes%axis(i)%name
+                own%axes%axis(i)%key = job%axes%axis(i)%key
                 own%axes%axis(i)%whole = job%axes%axis(i)%whole
                 own%axes%axis(i)%slot = job%axes%axis(i)%slot
             end do
             do i = 1, size(axis)
-                own%axes%axis(axis(i))%name = wanted%keys(i)%name
+                own%axes%axis(axis(i))%key = wanted%keys(i)%name
                 own%axes%axis(axis(i))%slot = wanted%keys(i)%slot
             end do
             own%axes%combination = combine_zip
@@ -607,7 +607,7 @@ contains
                 if (keys(i)%axis == 0) then
                     self%nodes(i) = keys(i)%nodes(keys(i)%slot%get())
                 else
-                    self%nodes(i) = keys(i)%nodes(parameters(keys(i)%axis))
+                    self%nodes(i) = keys(i)%nodes(parameters(keys(i)%axis) * job%axes%axis(keys(i)%axis)%slot%size)
                 end if
                 self%is_needed(:, i) = self%nodes(i)%is_valid
             end do

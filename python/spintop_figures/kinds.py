@@ -57,6 +57,10 @@ class FigureKind(NamedTuple):
     def draw_once(self, tables: Table | Sequence[Table], options: Options) -> Figure:
         """Draw it, however high it is."""
         alone = isinstance(tables, Table)
+        columns = {name for table in ([tables] if alone else tables) for name in table.rows}
+        for key in filter(None, options.unit):
+            if not any(key in name for name in columns):
+                raise TableError(f"has no column {key}, for its unit: no {self.name} figure")
         with the_look(options):
             try:
                 figure = self.make(in_own_units(tables) if alone else [*map(in_own_units, tables)])

@@ -11,8 +11,8 @@ from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind, unknown
 from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options
 from spintop_figures.style.page import describe_run, new_figure
-from spintop_figures.tables.names import axis_of, name_of
-from spintop_figures.tables.table import Table, TableError, in_own_units
+from spintop_figures.tables.names import axis_of, name_of, shown_in
+from spintop_figures.tables.table import Table, TableError, cases_at, in_own_units
 
 MODULES = (
     *("motion.trajectory", "motion.sphere", "motion.reduced", "motion.residuals", "motion.fits"),
@@ -61,8 +61,11 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
         if "y" not in options.log and unit == "degrees":
             set_degree_ticks(axes.yaxis, np.concatenate(spread))
         axes.margins(x=0.01)
-        for axis, (low, high) in options.range.items():
-            getattr(axes, f"set_{axis}lim")(low, high)  # None leaves an end where it is
+        for axis, ends in options.range.items():
+            column = name if axis == "y" else options.x
+            factor = shown_in(axis_of(column), tables[0].shown(column)[1])[0]
+            # None leaves an end where it is
+            getattr(axes, f"set_{axis}lim")(*(end and end / factor for end in ends))
         name_axis(axes.yaxis, axis_of(name), unit)
     name_axis(panels[-1].xaxis, axis_of(options.x), tables[0].shown(options.x)[1])
     if len(tables) > 1:
@@ -115,12 +118,13 @@ def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> 
     """Draw the figure of this name of a table, or one of several tables, such as `traces`.
 
     Without a name, the columns `y` of the tables over their column `x` (time). The other options
-    are those of `style.look.Options`: width, title, dark, style, font_size, decimal_comma; of
-    chosen columns log and range. Raises a TableError that says why there is no such figure, and a
-    ValueError or a TypeError where an option is wrong.
+    are those of `style.look.Options`: width, title, dark, style, font_size, decimal_comma,
+    language, unit, line, at; of chosen columns log and range. Raises a TableError that says why
+    there is no such figure, and a ValueError or a TypeError where an option is wrong.
     """
     asked = Options(**options)
     alone = isinstance(tables, Table)
+    tables = cases_at(tables, asked.at) if alone else [cases_at(each, asked.at) for each in tables]
     if asked.y and name:
         raise ValueError("a figure has a name or columns y, not both")
     if asked.y:

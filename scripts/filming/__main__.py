@@ -12,7 +12,9 @@ from filming.picture import Camera
 from filming.stage import NAMES, View
 from filming.take import FilmError, Part, Take, compute, span_of
 from spintop_figures.files import show_path
+from spintop_figures.style.numbers import speak
 from spintop_figures.tables.table import printable
+from spintop_figures.tables.words import LANGUAGES
 
 SIZES = {".gif": (640, 360)}
 SIZE = (1280, 720)
@@ -88,6 +90,7 @@ def parse_arguments() -> argparse.Namespace:
         default = getattr(View, name)
         add(f"--{name}", type=number_of("angle", -most, most), default=default, metavar="DEG",
             help=f"{what} (default: {default:g})")  # fmt: skip
+    add("--language", choices=LANGUAGES, default="en", help="of the words in the film (en)")
     add("--dark", action="store_true", help="light on dark, for a projector")
     arguments = parser.parse_args()
     if arguments.ghost and not arguments.second:
@@ -126,6 +129,7 @@ def make_takes(arguments: argparse.Namespace, rate: int) -> tuple[list[Take], fl
 def main() -> int:
     """Make the film."""
     arguments = parse_arguments()
+    speak(arguments.language)
     output = arguments.output or Path("output") / f"{arguments.input.stem}.mp4"
     rate = arguments.rate or RATES.get(output.suffix, RATE)
     size = arguments.size or SIZES.get(output.suffix, SIZE)

@@ -11,6 +11,8 @@ from matplotlib.ticker import MaxNLocator
 
 from filming.stage import FROM_ASIDE, Look, Shape, Stage, View
 from filming.take import Take
+from spintop_figures.style.numbers import COMMA, localised
+from spintop_figures.tables.words import say
 
 DPI = 100
 LETTERS, LARGE = 1 / 36, 1.3
@@ -85,7 +87,7 @@ class Camera:
         style |= {"y": self.strip - 0.5 * self.row, "va": "center"}
         self.clock = self.figure.text(0.98, s="", ha="right", **style)
         if speed > 0:
-            self.figure.text(0.5, s=describe_speed(speed), ha="center", **style)
+            self.figure.text(0.5, s=say(localised(describe_speed(speed))), ha="center", **style)
 
     def add_titles(self, groups: list[list[Take]], letters: int) -> float:
         """The title of each motion, in lines of so many letters, in the colour of its curve.
@@ -120,9 +122,11 @@ class Camera:
             spine.set_color(colours["faint"])
         chart.tick_params(colors=colours["quiet"], labelsize=size, length=3 * self.scale)
         chart.yaxis.set_major_locator(MaxNLocator(2))
-        chart.ticklabel_format(useOffset=False)
+        for axis in (chart.xaxis, chart.yaxis):
+            axis.set_major_formatter(lambda x, _: localised(f"{x:.6g}"))
         words = {"size": size, "color": colours["quiet"], "va": "center"}
-        self.figure.text(0.02, self.strip - 0.5 * self.row, "θ (degrees) against time (s)", **words)
+        what = say("θ (degrees) against time (s)")
+        self.figure.text(0.02, self.strip - 0.5 * self.row, what, **words)
         return chart.axvline(self.takes[0].times[0], color=colours["mark"], lw=1.8 * self.scale)
 
     def show(self, picture: int) -> None:
@@ -136,4 +140,5 @@ class Camera:
             f"{np.degrees(take.theta[row]):.2f}°"
             for take, row in zip(self.takes, rows, strict=True)
         ]
-        self.clock.set_text(f"t = {time:.3f} s   θ = {', '.join(angles)}")
+        angles = "; ".join(angles) if COMMA.get() else ", ".join(angles)
+        self.clock.set_text(localised(f"t = {time:.3f} s   θ = {angles}"))

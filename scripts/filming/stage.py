@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 
 from filming.solids import surface
 from filming.take import Take
+from spintop_figures.tables.words import say
 
 LIGHT = np.array([0.4, -0.6, 0.9]) / np.linalg.norm([0.4, -0.6, 0.9])
 LONGEST = 0.8
@@ -149,7 +150,7 @@ class Actor:
         style = {"zorder": ORDER["arrows"], "color": look.colours[name]}
         (shaft,) = axes.plot([], [], lw=3 * look.scale, **style)
         (head,) = axes.fill([0, 0, 0], [0, 0, 0], **style)
-        words = axes.text(0, 0, f" {NAMES[name]} ", size=look.letters, va="center", **style)
+        words = axes.text(0, 0, f" {say(NAMES[name])} ", size=look.letters, va="center", **style)
         return shaft, head, words
 
     def show(self, row: int) -> None:

@@ -9,7 +9,9 @@ from reporting.packages import PackageError
 from reporting.page import make_alone, make_page, write_page
 from reporting.study import list_tables, read_study
 from spintop_figures.files import show_path
+from spintop_figures.style.numbers import speak
 from spintop_figures.tables.table import printable
+from spintop_figures.tables.words import LANGUAGES
 
 EXIT_INPUT, EXIT_OUTPUT = 2, 4
 SCRIPTS = Path(__file__).resolve().parent.parent
@@ -37,6 +39,7 @@ def parse_arguments() -> argparse.Namespace:
     add("inputs", metavar="INPUT.nml", nargs="*", type=Path, help="run these first, into that "
         "folder; their tables come first, in this order")  # fmt: skip
     add("--title", metavar="TEXT", help="the title of the page (default: the name of the folder)")
+    add("--language", choices=LANGUAGES, default="en", help="of the report and its figures (en)")
     add("-o", "--output", metavar="FILE", type=Path,
         help="the page (default: STUDY_DIR/report.html, output/live.html)")  # fmt: skip
     arguments = parser.parse_args()
@@ -79,6 +82,7 @@ def write_or_complain(page: str, output: Path) -> int:
 def main() -> int:
     """Run the inputs, if any, and make the page."""
     arguments = parse_arguments()
+    speak(arguments.language)
     if arguments.alone:
         try:
             return write_or_complain(make_alone(arguments.alone), arguments.output)

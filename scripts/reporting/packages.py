@@ -22,8 +22,6 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 PAGE = Path(__file__).resolve().parent / "page"
-DICTIONARY = PAGE / "live" / "dictionary.json"
-"""The words of the live top in all its languages."""
 MODULES = ROOT / "build" / "report" / "node_modules"
 """Where packages are kept, each in the folder of its name, as programs of npm expect them."""
 

@@ -7,7 +7,7 @@ script that stand in it, known by their hashes, and pictures that are part of it
 import base64
 import datetime
 import hashlib
-import json
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -16,11 +16,13 @@ from markupsafe import Markup
 
 from reporting.key_numbers import key_numbers
 from reporting.live_link import live_link
-from reporting.packages import DICTIONARY, PAGE, PackageError, bundle
+from reporting.packages import PAGE, PackageError, bundle
 from reporting.study import Section
 from reporting.words import of_kind
 from spintop_figures.moving.motion import facts_text, pack_all, refusal
+from spintop_figures.style.numbers import write_count
 from spintop_figures.tables.names import raised
+from spintop_figures.tables.words import LANGUAGE, dictionary, say
 
 LARGEST, PER_TABLE = 2_000_000, 100_000
 """Bytes of the data in a page, and what each of many tables has at least. Where there would be
@@ -41,16 +43,26 @@ ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "m
 the Python package puts a motion."""
 
 
+class SpokenTemplates(jinja2.FileSystemLoader):
+    """Templates with the texts between their tags in the language that is spoken."""
+
+    def get_source(self, *asked: object) -> tuple:
+        """A template, where it is, and whether it is still the same."""
+        source, *known = super().get_source(*asked)
+        return re.sub(r"(?<=[>}])[^<>{}]+(?=[<{])", lambda text: say(text[0]), source), *known
+
+
 def render(template: str, script: str, **parts: object) -> str:
     """A template with style and script; `texts` is the dictionary of the live top."""
     environment = jinja2.Environment(
-        loader=jinja2.FileSystemLoader(PAGE), autoescape=True, trim_blocks=True,
+        loader=SpokenTemplates(PAGE), autoescape=True, trim_blocks=True,
         lstrip_blocks=True, undefined=jinja2.StrictUndefined,
     )  # fmt: skip
     environment.filters |= {"sentence": lambda text: text[:1].upper() + text[1:], "unit": raised}
+    environment.filters |= {"say": say, "count": write_count}
     style = "\n".join((PAGE / name).read_text(encoding="utf-8") for name in STYLES)
     return environment.get_template(template).render(
-        texts=json.loads(DICTIONARY.read_text(encoding="utf-8")),
+        texts=dictionary(), language=LANGUAGE.get(),
         policy=policy(style, script), style=Markup(style), script=Markup(script), **parts,
     )  # fmt: skip
 

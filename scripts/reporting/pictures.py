@@ -11,7 +11,9 @@ from PIL import Image
 
 from spintop_figures.files import draw_to
 from spintop_figures.registry import FigureKind, choose_figures
+from spintop_figures.style.look import Options
 from spintop_figures.tables.table import Table, TableError
+from spintop_figures.tables.words import LANGUAGE
 
 TYPES = {".svg": "svg+xml", ".png": "png"}
 """What scripts/plot makes; the smaller file stands in the page as it is."""
@@ -58,13 +60,15 @@ def find_picture(table: Table, kind: FigureKind) -> Picture:
     name = f"{table.path.stem}_{kind.name}"
     paths = [table.path.with_name(name + ending) for ending in TYPES]
     made = table.path.stat().st_mtime
-    if all(path.is_file() and path.stat().st_mtime >= made for path in paths):
+    language = LANGUAGE.get()
+    if language == "en" and all(path.is_file() and path.stat().st_mtime >= made for path in paths):
         try:
             return picture_of(name, kind, paths)
         except (OSError, SyntaxError, ValueError, Image.DecompressionBombError):
             pass  # damaged
     with tempfile.TemporaryDirectory() as scratch:
-        return picture_of(name, kind, draw_to(kind, table, Path(scratch) / name))
+        drawn = draw_to(kind, table, Path(scratch) / name, Options(language=language))
+        return picture_of(name, kind, drawn)
 
 
 def picture_of(name: str, kind: FigureKind, paths: list[Path]) -> Picture:

@@ -1,16 +1,16 @@
 """Tests of the words of the live top: one dictionary has them all, in each of its languages."""
 
-import json
 import re
 import unittest
 
 from browser_case import LiveCase, wait_for
 from report_test import Reader
-from reporting.packages import DICTIONARY, PAGE
+from reporting.packages import PAGE
 from reporting.page import render
+from spintop_figures.tables.words import dictionary
 
 LANGUAGES = ["en", "de", "fr"]
-WORDS = json.loads(DICTIONARY.read_text(encoding="utf-8"))
+WORDS = dictionary()
 SCRIPTS = [*sorted((PAGE / "live").glob("*.js")), PAGE / "live_main.js", PAGE / "bar.js"]
 SPOKEN = ("aria-label", "alt", "title", "placeholder")
 NAMES = {"spintop", "rad"}
@@ -106,7 +106,9 @@ class LanguageTest(LiveCase):
             }
             return [...found, ...textsOfPage()];
         """
-        self.open(self.page, "#lang=de")
+        self.open(self.page, "?lang=fr#lang=de")
+        self.assertEqual(self.run_script("return document.documentElement.lang"), "de")
+        self.open(self.page, "?lang=de")
         self.assertEqual(self.run_script("return document.documentElement.lang"), "de")
         texts = self.texts(presets)
         self.assertGreater(len(texts), 2000)
@@ -119,6 +121,27 @@ class LanguageTest(LiveCase):
         self.open(self.page, "#lang=de")
         texts = self.texts("liveTop.parts.class.textContent = 'Steady precession';")
         self.assertEqual(self.strange_words("de", texts), {"Steady", "precession"})
+
+    def test_widths(self) -> None:
+        """No page scrolls sideways, no word is broken at random, and the menu covers no title."""
+        script = """
+            document.querySelectorAll("details").forEach((each) => { each.open = true; });
+            const broken = [...document.querySelectorAll(arguments[0])].filter((each) => {
+                each.style.overflowWrap = "normal";
+                return each.scrollWidth > each.clientWidth;
+            });
+            const [title, menu] = ["h1", "select.language"].map((name) =>
+                document.querySelector(name).getBoundingClientRect());
+            const words = broken.map((each) => each.textContent);
+            return [document.documentElement.scrollWidth, title.right <= menu.left, words];
+        """
+        labels = "h1, .control label, .shown label, .facts > *"
+        for language in LANGUAGES:
+            for width in (360, 390, 412, 1280, 1400):
+                with self.subTest(language, width=width):
+                    self.set_screen(width, 844)
+                    self.open(self.page, f"#lang={language}")
+                    self.assertEqual(self.run_script(script, labels), [width, True, []])
 
     def test_decimal_comma(self) -> None:
         """German and French numbers have a comma, those of the input a point; both are typed."""

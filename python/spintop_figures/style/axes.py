@@ -20,7 +20,8 @@ from matplotlib.text import Text
 from spintop_figures.style.look import FAINT, GREY, LINES
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import PLAIN, localised, with_power, write
-from spintop_figures.tables.names import with_unit
+from spintop_figures.tables.names import shown_in, with_unit
+from spintop_figures.tables.words import say
 
 LEAST_TICK, LARGEST_TICK = 0.01, 1e4
 """Axes whose numbers are all smaller or reach beyond have a prefix before their unit."""
@@ -77,12 +78,15 @@ class Numbers(ticker.Formatter):
 
     def __init__(self, words: str, unit: str, after: str) -> None:
         self.words, self.unit, self.after = words, unit, after
+        self.asked = shown_in(words, unit)
         self.holders: list[tuple[Text, int]] = []
         """Texts that name the axis or those that share it, with the letters of their lines."""
 
     def scale(self) -> Scale:
-        """How the numbers are written, by the ends of the axis."""
-        return scale_for(*sorted(self.axis.get_view_interval()), self.unit)
+        """How the numbers are written: by the ends of the axis; in a unit that is asked for."""
+        scale = scale_for(*sorted(self.axis.get_view_interval()), self.unit)
+        factor, unit = self.asked
+        return scale if unit == self.unit else Scale(factor, unit, scale.origin)
 
     def set_locs(self, locs: object) -> None:
         """Know all ticks of the axis, and tell how they are written."""
@@ -129,9 +133,9 @@ class Places(ticker.MaxNLocator):
 class Powers(ticker.LogFormatterSciNotation):
     """Powers of ten as plain text, ten times as fast as formulas; numbers on a short axis."""
 
-    def __init__(self, plain: bool = False) -> None:
+    def __init__(self, plain: bool = False, unit: str = "") -> None:
         super().__init__()
-        self.plain = plain
+        self.plain, self.unit = plain, unit
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """The label of a tick."""
@@ -163,14 +167,14 @@ def name_axis(
     holder = holder or axis.label
     holder.set_text(wrapped(with_unit(words, unit) + after, letters))
     if axis.get_scale() == "log":
-        axis.set_major_formatter(Powers(plain))
-        axis.set_minor_formatter(Powers(plain))
+        axis.set_major_formatter(Powers(plain, unit))
+        axis.set_minor_formatter(Powers(plain, unit))
         return
     numbers = axis.get_major_formatter()
     if not isinstance(numbers, Numbers):  # else of a panel that shares the axis
         numbers = Numbers(words, unit, after)
         axis.set_major_formatter(numbers)
-        if isinstance(axis.get_major_locator(), ticker.AutoLocator):
+        if isinstance(axis.get_major_locator(), ticker.AutoLocator) or numbers.asked[1] != unit:
             axis.set_major_locator(Places())
     numbers.holders.append((holder, letters))
     low, high = axis.get_view_interval()
@@ -198,11 +202,13 @@ def letters_of(axes: Axes, side: str) -> int:
 
 
 def wrapped(text: str, letters: int) -> str:
-    """A text in lines of so many letters; formulas are not broken."""
+    """A text in the language that is spoken, in lines of so many letters; formulas stay whole."""
+    text = say(text)
     formulas = iter(FORMULA.findall(text))
     silent = r"\\[a-z]+|[{}$_^\\, ]"  # what takes no room, or that of a letter
     text = FORMULA.sub(lambda each: "\0" * max(len(re.sub(silent, "", each[0])), 1), text)
-    lines = itertools.chain(*(textwrap.wrap(line, letters) or [""] for line in text.split("\n")))
+    fill = textwrap.TextWrapper(letters, break_long_words=False).wrap
+    lines = itertools.chain(*(fill(line) or [""] for line in text.split("\n")))
     return re.sub("\0+", lambda _: next(formulas), "\n".join(lines))
 
 

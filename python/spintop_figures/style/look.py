@@ -13,6 +13,8 @@ import matplotlib as mpl
 from matplotlib.colors import get_named_colors_mapping, to_hex, to_rgb
 
 from spintop_figures.style.numbers import COMMA
+from spintop_figures.tables.names import UNITS, column_units
+from spintop_figures.tables.words import LANGUAGE, LANGUAGES
 
 CENTIMETRE = 1 / 2.54
 """In inches."""
@@ -85,6 +87,14 @@ class Options:
     font_size: float | None = None
     """Of the letters at the axes, in points."""
     decimal_comma: bool = False
+    language: str = "en"
+    """One of LANGUAGES; other numbers than English ones have decimal commas."""
+    unit: Mapping[str, str] = field(default_factory=dict)
+    """The unit of the axes of a column, such as rpm of `omega3`; of `""` all that can be in it."""
+    line: Mapping[str, object] = field(default_factory=dict)
+    """Values of x or y at which there are lines, of all panels: numbers, or texts with units."""
+    at: Mapping[str, object] = field(default_factory=dict)
+    """Values of swept parameters: of a sweep over several, the cases that are nearest to them."""
     x: str = "t"
     """The column that the columns `y` are drawn over."""
     y: Sequence[str] = ()
@@ -114,6 +124,14 @@ class Options:
         if self.inches() < least:
             least = math.ceil(least / CENTIMETRE)
             raise ValueError(f"letters of {letters:g} points need a width of {least} cm")
+        if self.language not in LANGUAGES:
+            raise ValueError(f"languages are {', '.join(LANGUAGES)}, not {self.language!r}")
+        known = column_units().items()
+        units = {each for (_, suffix), unit in known for each in (suffix, unit["unit"])}
+        if unknown := set(self.unit.values()) - units:
+            raise ValueError(f"{min(unknown)!r} is no unit of a column")
+        if unknown := self.line.keys() - {"x", "y"}:
+            raise ValueError(f"a line is at a value of x or y, not of {min(unknown)!r}")
 
     def inches(self) -> float:
         """The width in inches."""
@@ -183,12 +201,15 @@ def the_look(options: Options = DEFAULT) -> Iterator[None]:
         page[key] = (kept.get(key) or SETTINGS[key]) * letters / LETTERS
     if kept.get("text.usetex", mpl.rcParams["text.usetex"]):
         page["text.usetex"] = bool(shutil.which("latex") and shutil.which("dvipng"))
-    token = COMMA.set(options.decimal_comma)
+    asked = {COMMA: options.decimal_comma or options.language != "en"}
+    asked |= {LANGUAGE: options.language, UNITS: options.unit}
+    tokens = {variable: variable.set(value) for variable, value in asked.items()}
     try:
         with mpl.rc_context({**SETTINGS, **kept, **page}):
             yield
     finally:
-        COMMA.reset(token)
+        for variable, token in tokens.items():
+            variable.reset(token)
 
 
 def scale() -> float:

@@ -8,6 +8,7 @@ import re
 from contextvars import ContextVar
 
 from spintop_figures.tables.names import RAISED
+from spintop_figures.tables.words import LANGUAGE
 
 MINUS, TIMES, DASH = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}", "\N{EN DASH}"
 
@@ -21,6 +22,12 @@ POINT_OR_SEPARATOR = re.compile(r"(?<=\d)[.,](?=\d)")
 POWER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)e([-+]?\d+)")
 COMMA = ContextVar("COMMA", default=False)
 """Whether numbers have decimal commas, as the look says."""
+
+
+def speak(language: str) -> None:
+    """Have all words and numbers in a language, but those of figures, which have their own."""
+    LANGUAGE.set(language)
+    COMMA.set(language != "en")
 
 
 def write(value: float, digits: int = DIGITS) -> str:

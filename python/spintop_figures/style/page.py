@@ -21,14 +21,16 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.lines import Line2D
+from matplotlib.text import Text
 from PIL import Image
 from PIL.PngImagePlugin import PngInfo
 
 from spintop_figures.style import look
 from spintop_figures.style.axes import letters_of, name_axis, wrapped
 from spintop_figures.style.numbers import write, write_count
-from spintop_figures.tables.names import is_good_end, name_of
+from spintop_figures.tables.names import is_good_end, name_of, number_in
 from spintop_figures.tables.table import Table, TableError, printable
+from spintop_figures.tables.words import say
 
 TITLE_LETTERS = 10.3
 """Letters in an inch of titles."""
@@ -37,6 +39,8 @@ PANEL_WIDTH = 3.55
 """Of each of many panels, in inches."""
 
 TIME = "time t", "s"
+AT = {"color": look.GREY, "linewidth": 1.0, "linestyle": "--", "zorder": 1.5}
+"""Lines at values of choice."""
 
 
 class Page(Figure):
@@ -72,7 +76,7 @@ def new_figure(
     figure.provenance = provenance_of(tables)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
     style = {"x": 0.012, "ha": "left", "parse_math": False}
-    title = textwrap.fill(what, int(width * TITLE_LETTERS))
+    title = textwrap.fill(say(what), int(width * TITLE_LETTERS))
     figure.suptitle(title, fontsize=11 * look.scale(), fontweight="bold", **style)
     if caption := caption_of(tables, int(15 * width)):
         figure.supxlabel(
@@ -82,14 +86,47 @@ def new_figure(
 
 
 def finish(figure: Page, options: look.Options) -> Page:
-    """Give a figure that is drawn the title that a user asks for."""
+    """Give a figure that is drawn the title, the lines and the language that a user asks for."""
     figure.options = options
+    for which, values in options.line.items():
+        draw_lines_at(figure, which, values)
+    if options.language != "en":
+        translate(figure)
     if options.title is not None:
         width = figure.get_size_inches()[0] / look.scale()
         figure.suptitle(textwrap.fill(options.title, int(width * TITLE_LETTERS)))
         if not options.title:
             figure.supxlabel("")
     return figure
+
+
+def draw_lines_at(figure: Figure, which: str, values: object) -> None:
+    """Lines at values of x or of y, which all panels have to have in common."""
+    panels = [axes for axes in figure.axes if axes.axison and axes.get_subplotspec()]
+    shared = getattr(panels[0], f"get_shared_{which}_axes")().get_siblings(panels[0])
+    unit = getattr(getattr(panels[0], f"{which}axis").get_major_formatter(), "unit", None)
+    if unit is None or set(panels) - set(shared):
+        raise TableError(f"has no {which} axis with numbers that all panels share, for a line")
+    for value in str(values).split(","):
+        try:
+            place = number_in(value, unit)
+        except ValueError as wrong:
+            raise TableError(f"has no line at {which} = {value}: {wrong}") from None
+        for axes in panels:
+            getattr(axes, f"ax{'v' if which == 'x' else 'h'}line")(place, **AT)
+
+
+def translate(figure: Page) -> None:
+    """Say legends, ticks and notes in the language that is spoken; titles of tables stay."""
+    titles = [*filter(None, figure.provenance["Title"].split("; "))]
+    for text in set(figure.findobj(Text)) - {figure._suptitle, figure._supxlabel}:
+        words = text.get_text()
+        if not any(title in " ".join(words.split()) for title in titles):
+            text.set_text(say(words))
+    for axis in figure.findobj(Axis):
+        for labels in getattr(getattr(axis.get_major_formatter(), "func", None), "args", ()):
+            if isinstance(labels, dict):  # of ticks that have words
+                labels |= {place: say(label) for place, label in labels.items()}
 
 
 def panel_figure(
@@ -314,7 +351,7 @@ def caption_of(tables: Sequence[Table], letters: int) -> str:
 
     It has so many letters at most. The title of a single table may be shortened for it.
     """
-    known = joined(warning_of(table) for table in tables)
+    known = say(joined(warning_of(table) for table in tables))
     titles = {table.title for table in tables}
     title = titles.pop() if len(titles) == 1 else ""  # panels of several have their titles
     room = letters - (len(known) + 2 if known else 0)

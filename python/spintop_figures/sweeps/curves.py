@@ -157,7 +157,8 @@ def draw_curves(table: Table) -> Figure:
 
 def sleeping_threshold(name: str, rows: pd.DataFrame) -> float | None:
     """Where on an axis of spins the sleeping top becomes stable, if the table has the ratio."""
-    if name not in ("initial.omega3", "initial.spin_ratio") or "sleeping_ratio" not in rows:
+    is_spin = name.startswith(("initial.omega3", "initial.spin_ratio"))
+    if not is_spin or "sleeping_ratio" not in rows:
         return None
     at = np.abs(rows[name] / rows["sleeping_ratio"]).dropna()
     spread = np.ptp(at) if at.size else np.inf

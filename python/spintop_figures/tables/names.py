@@ -11,7 +11,10 @@ import functools
 import json
 import math
 import re
+from collections.abc import Mapping
+from contextvars import ContextVar
 from pathlib import Path
+from types import MappingProxyType
 from typing import NamedTuple
 
 import pandas as pd
@@ -38,9 +41,15 @@ INITIAL = {*ANGLES, *(f"{name}_rate" for name in ANGLES), "omega", "omega3", "qu
 KEY = re.compile(r"(?:(\w+)(?:\((\d+)\))?\.)?(\w+)(?:\((\d+)(?:,(\d+))?\))?")
 """A group, a key or a column, and which elements of an array."""
 
+MASSES = ("kg", "g", "mg", "lb", "oz")
+"""Units of keys that are none of columns."""
+
 LOWERED = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 RAISED = str.maketrans("-\N{MINUS SIGN}0123456789", "⁻⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 """Digits of a power of ten, or of a unit."""
+
+UNITS: ContextVar[Mapping[str, str]] = ContextVar("UNITS", default=MappingProxyType({}))
+"""The units that axes shall have by columns, as the look says."""
 
 UNIT_WORDS = {"deg": "degrees"}
 """Units that figures write otherwise than tables."""
@@ -75,10 +84,13 @@ def find_name(key: str) -> Name:
         parts = table[1].split("_")  # people, or the kind of the table
         words = (part.upper() if re.search(r"\d|rk$", part) else part.title() for part in parts)
         return Name(f"{'-'.join(words)} {table[2].strip('_').replace('_', '-')}")
+    group, _, name = key.rpartition(".")
+    stem, _, suffix = key.rpartition("_")
+    if group and name not in NAMES and suffix in {*MASSES, *(each for _, each in column_units())}:
+        key = stem
     if not (parts := KEY.fullmatch(key)):
         return Name(key)
     group, part, name, *places = parts.groups()
-    name = name.removesuffix("_deg")
     known = NAMES.get(name) or Name(words_in(name))
     place = "".join(str(int(i) - (name == "quaternion")) for i in filter(None, places))
     if place:
@@ -165,6 +177,42 @@ def units_of_columns() -> dict[str, str]:
 def column_units() -> dict[tuple[str, str], dict]:
     """Other units of columns, by the unit of a column and the suffix of its name."""
     return {(unit["of"], unit["suffix"]): unit for unit in listed("columns")["column_units"]}
+
+
+def converted_to(unit: str, other: str) -> tuple[float, str] | None:
+    """How many of another unit one unit is, and that unit; None where they differ in kind.
+
+    The other may be the suffix of a name, as in `phi_rate_deg`, whose unit is deg/s.
+    """
+    unit, other = ("deg" if each == UNIT_WORDS["deg"] else each for each in (unit, other))
+    known = column_units().items()
+    sizes = {own: each["size"] for (own, _), each in known if each["unit"] == unit}
+    found = (
+        (sizes[own] / each["size"], each["unit"])
+        for (own, suffix), each in known
+        if own in sizes and other in (suffix, each["unit"])
+    )
+    return (1.0, unit) if unit == other else next(found, None)
+
+
+def number_in(text: object, unit: str) -> float:
+    """A number, which may have another unit behind it, in a unit; else there is a ValueError."""
+    number, given = re.fullmatch(r"\s*([-+]?[\d.]+(?:e[-+]?\d+)?)?(.*)", str(text), re.I).groups()
+    found = converted_to(given.strip() or unit, unit)
+    if not found or number is None:
+        raise ValueError(f"{text!r} is no number" + f" in {unit}" * bool(unit))
+    return float(number) * found[0]
+
+
+def shown_in(words: str, unit: str) -> tuple[float, str]:
+    """The factor to the unit that is asked for an axis that has these words, and the unit."""
+    for key, other in UNITS.get().items():
+        keys = (key, f"initial.{key}") if key else ()
+        known = {named(each).replace("$", "") for each in keys for named in (name_of, axis_of)}
+        found = converted_to(unit, other)
+        if found and (not key or words.replace("$", "") in known):
+            return found[0], UNIT_WORDS.get(found[1], found[1])
+    return 1.0, unit
 
 
 @functools.cache

@@ -17,7 +17,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import pandas as pd
 
-from spintop_figures.tables.names import column_units, unit_shown, units_of_columns, words_of
+from spintop_figures.tables.names import (
+    column_units,
+    name_of,
+    number_in,
+    unit_shown,
+    units_of_columns,
+    words_of,
+)
 
 if TYPE_CHECKING:
     from xarray import Variable
@@ -150,6 +157,25 @@ class Table:
     def axes(self) -> list[str]:
         """The swept parameters: the columns between `case` and `status`."""
         return swept(list(self.rows.columns))
+
+
+def cases_at(table: Table, at: Mapping[str, object]) -> Table:
+    """The cases of a sweep that are nearest to values of swept parameters, which then are none."""
+    rows, told = table.rows, []
+    if not at:
+        return table
+    for name, value in at.items():
+        if name not in table.axes() or len(table.axes()) - len(at) < 1:
+            raise TableError(f"has no {name} among several swept parameters, for a value of it")
+        unit = table.units.get(name, "")
+        try:
+            nearest = rows[name].iloc[(rows[name] - number_in(value, unit)).abs().argmin()]
+        except ValueError as wrong:
+            raise TableError(str(wrong)) from None
+        rows = rows[rows[name] == nearest].drop(columns=name)
+        told.append(f"{name_of(name)} {nearest:.6g} {unit}".strip())
+    title = "; ".join(filter(None, (table.title, *told)))
+    return replace(table, rows=rows.reset_index(drop=True), header=table.header | {"title": title})
 
 
 def swept(names: list[str]) -> list[str]:

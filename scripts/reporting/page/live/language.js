@@ -1,22 +1,24 @@
 // The words of the live top in the languages of its dictionary.
 
 import { setDecimalMark } from "../text.js";
-import dictionary from "./dictionary.json";
+import dictionary from "../../../../python/spintop_figures/tables/dictionary.json";
 
 /** The languages of the dictionary, by their own names. */
 export const LANGUAGES = { en: "English", de: "Deutsch", fr: "Français" };
 const KEY = "lang"; // of the link
 
-let language = "en";
+let language = globalThis.document?.documentElement.lang || "en"; // of a report
 let isAsked = false; // whether the link asks for it
 
-/** Speak the language that a link asks for, else the first that the reader's browser knows. */
-export function chooseLanguage(link) {
-  const asked = new URLSearchParams(link.replace(/^#/, "")).get(KEY);
+/** Speak the language that an address asks for, behind # or ?, else the first that the reader's browser knows. */
+export function chooseLanguage({ hash, search }) {
+  const asked = new URLSearchParams(`${hash}&${search}`.replaceAll(/[#?]/g, "")).get(KEY);
   isAsked = Object.hasOwn(LANGUAGES, asked ?? "");
   const wanted = navigator.languages.map((tag) => tag.slice(0, 2).toLowerCase());
   speak(isAsked ? asked : wanted.find((code) => Object.hasOwn(LANGUAGES, code)) ?? "en");
 }
+
+setDecimalMark(language === "en" ? "." : ",");
 
 function speak(code) {
   language = code;

@@ -3,7 +3,7 @@
 import { LANGUAGES, chooseLanguage, fillWords, linkOfLanguage, say, spoken } from "./live/language.js";
 import { LiveTop } from "./live/live.js";
 
-chooseLanguage(location.hash);
+chooseLanguage(location);
 document.title = `${say("live_top")} – spintop`;
 fillWords(document.body);
 

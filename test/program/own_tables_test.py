@@ -6,6 +6,7 @@ import re
 import pytest
 
 from conftest import each, quoted
+from spintop_figures import draw, read_table
 
 TOP = (
     "&top mass = 1, inertia = 0.875, 0.875, 0.25, length = 0.866 /\n"
@@ -55,6 +56,9 @@ def test_orders(spin):
     run = spin(STUDY.format(names, "steps = 800, 1600, tolerances = 1e-4, 1e-6"))
     assert set(run.rows.status) == {"ok"}
     errors = run.rows.set_index(["method", "formulation", "setting"]).orientation_error
+    legend = draw(read_table(run.path), "orders").axes[0].get_legend()
+    labels = [text.get_text() for text in legend.get_texts()]
+    assert any(each.startswith("table:eighths: ") and each.endswith(" / 4") for each in labels)
     for name, order in (("eighths", 4), ("diagonal", 2)):
         coarse, fine = (errors[f"table:{name}", "space_frame", f"steps {n}"] for n in (800, 1600))
         assert math.log2(coarse / fine) == pytest.approx(order, abs=0.5), name

@@ -248,7 +248,7 @@ class PlotTest(TableCase):
         rows = trials(self.read(a_stability()))
         expected = ["RK4", "RK4, Lagrange", "new"]
         assert list(rows["entry"]) == 2 * expected
-        families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "other programs"]
+        families = ["explicit Runge-Kutta", "explicit Runge-Kutta", "own methods"]
         assert list(rows["family"]) == 2 * families
         alone = self.read("\n".join(a_stability().splitlines()[:-3]) + "\n")
         expected = ["RK4, space frame", "RK4, Lagrange", "new"]

@@ -189,7 +189,7 @@ class PrecisionFiguresTest(TableCase):
         curves = precision.curves_of(precision.equal_steps(table), (precision.STEP, "error_max"))
         curves.sort(key=lambda curve: -curve.rows["error_max"].iloc[0])
         names = [text.get_text() for text in axes.get_legend().get_texts()]
-        assert names == [precision.with_order(curve) for curve in curves]
+        assert names == [precision.with_order(curve, table) for curve in curves]
 
     def test_ink(self) -> None:
         """The names of families can be read on white, and keep their hue."""

@@ -12,8 +12,11 @@ from matplotlib.colors import to_rgb
 from spintop_figures.style.look import GROUND, OURS, lightness, tint
 from spintop_figures.tables.names import listed
 
-OTHER = "other programs"
-"""The family of what the registry does not have."""
+OTHER = "own methods"
+"""The family of what the registry does not have: tables and methods that a user adds."""
+
+OWN: dict[str, int] = {}
+"""Their places, in the order in which they are drawn."""
 
 
 class Method(NamedTuple):
@@ -46,7 +49,8 @@ def known_methods() -> dict[str, Method]:
 
 def known(name: str) -> Method:
     """A method, or one that the registry does not have."""
-    return known_methods().get(name) or Method(name, OTHER, None, 0)
+    found = known_methods().get(name)
+    return found or Method(name, OTHER, None, OWN.setdefault(name, len(OWN)))
 
 
 def family_of(method: str) -> str:
@@ -60,7 +64,7 @@ def order_of(method: str) -> int | None:
 
 
 def families() -> list[str]:
-    """The families in the order of the registry, and that of other programs."""
+    """The families in the order of the registry, and that of own methods."""
     return [*dict.fromkeys(method.family for method in known_methods().values()), OTHER]
 
 

@@ -39,6 +39,11 @@ class Curve(NamedTuple):
     label: str
     rows: pd.DataFrame
 
+    @property
+    def is_own(self) -> bool:
+        """Whether a user added the method."""
+        return known.family_of(self.method) == known.OTHER
+
     def style(self) -> dict[str, object]:
         """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
         return known.style_of(self.method, self.formulation if self.label != self.method else "")
@@ -136,8 +141,10 @@ def draw_precision_curves(
         error = np.maximum(error, LEAST_ERROR)
         style = curve.style()
         if strong is not None:
-            style |= {"linestyle": "-", "linewidth": 1.6, "zorder": 3}
-            style["color"] = known.look_of(known.family_of(curve.method)).colour
+            style |= {"linewidth": 1.6, "zorder": 3}
+            if not curve.is_own:
+                style["linestyle"] = "-"
+                style["color"] = known.look_of(known.family_of(curve.method)).colour
             others = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
             style = style if curve.label in strong else others
         if curve.method != EXACT:
@@ -202,7 +209,9 @@ def draw_over(
     named: dict[str, tuple[tuple, Artist]] = {}
     for problem, axes in panels.items():
         rows = table.rows[table.rows["problem"] == problem]
-        best = {curve.label: known.rank_of(curve.method) for curve in best_of_families(rows, cost)}
+        own = [each for each in curves_of(rows, (cost, "error_max")) if each.is_own]
+        named_ones = [*best_of_families(rows, cost), *own]
+        best = {curve.label: known.rank_of(curve.method) for curve in named_ones}
         draw_precision_curves(axes, rows, cost, best)
         lines = {line.get_label(): line for line in axes.lines}
         named |= {label: (rank, lines[label]) for label, rank in best.items()}
@@ -244,7 +253,7 @@ def draw_precision_work(table: Table) -> Figure:
     figure, panels = draw_over(table, "evaluations", less, words, "")
     for problem, rows in table.rows.groupby("problem", sort=False):
         methods = rows.loc[stepping(rows) & rows["setting"].str.startswith("steps "), "method"]
-        orders = {order for name in methods.unique() if (order := known.order_of(name))}
+        orders = {order for name in methods.unique() if (order := order_in(table, name))}
         draw_slopes(panels[problem], sorted(orders))
     return figure
 
@@ -308,11 +317,17 @@ def measured_order(rows: pd.DataFrame) -> float:
     return float("nan")
 
 
-def with_order(curve: Curve) -> str:
+def order_in(table: Table, method: str) -> int | None:
+    """The order of a method: of the registry, or that which the file of a user's table declares."""
+    told = table.header.get(method.replace(":", " ").lower(), "").removeprefix("order ")
+    return known.order_of(method) or (int(told) if told.isdigit() else None)
+
+
+def with_order(curve: Curve, table: Table) -> str:
     """The label of a curve with its measured order and, after a slash, that of the method."""
     order = measured_order(curve.rows)
     measured = numbers.write_fixed(order, 2) if np.isfinite(order) else numbers.DASH
-    return f"{curve.label}: {measured} / {known.order_of(curve.method) or numbers.DASH}"
+    return f"{curve.label}: {measured} / {order_in(table, curve.method) or numbers.DASH}"
 
 
 @figure(needs="error_max", objection=object_to_orders, **PRECISION)
@@ -327,7 +342,7 @@ def draw_orders(table: Table) -> Figure:
         draw_precision_curves(axes, part, STEP)
         curves = curves_of(part, (STEP, "error_max"))
         curves.sort(key=lambda curve: -curve.rows["error_max"].iloc[0])  # as they end at the right
-        labels = {curve.label: with_order(curve) for curve in curves}
+        labels = {curve.label: with_order(curve, table) for curve in curves}
         lines = {line.get_label(): line for line in axes.lines}
         inks = [known.ink_of(known.family_of(curve.method)) for curve in curves]
         place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "labelcolor": inks}

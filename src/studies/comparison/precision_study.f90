@@ -18,7 +18,7 @@ module spintop_precision_study
     use spintop_trial, only: check_reference, find_reference, read_motion, reference_t, error_energy, error_l3, error_lz, &
         error_norm, error_orientation, error_phi, error_tip, no_errors, run_trial, time_trial
     use spintop_row_block, only: text_buffer_t
-    use spintop_scene_keys, only: scene_t, reference_auto, reference_exact, reference_names
+    use spintop_scene_keys, only: scene_t, reference_auto, reference_exact, reference_names, table_prefix
     use spintop_status, only: is_ok, status_meaning, status_names
     use spintop_stepper, only: method_info_t
     use spintop_study_column, only: categorical, column => study_column_t
@@ -174,14 +174,19 @@ contains
         class(precision_study_t), intent(inout) :: self
         type(scene_t), intent(in) :: scene !! contents of the input
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        type(method_info_t), allocatable :: known(:)
+        type(method_info_t), allocatable :: known(:), own(:)
         character(len(scene%formulation)), allocatable :: formulations(:)
         character(len(scene%precision_methods)), allocatable :: names(:)
         character(*), parameter :: hint = 'give it in &work_precision', compares = 'a work-precision study compares ', &
             varies = 'a work-precision study varies the '
         integer :: i
 
-        allocate (known, source=[exact_info, method_infos(), infos_of_tables(scene)])
+        own = infos_of_tables(scene)
+        allocate (known, source=[exact_info, method_infos(), own])
+        if (allocated(self%remarks)) deallocate (self%remarks)
+        do i = 1, size(own)
+            call append(self%remarks, 'table ' // own(i)%name(len(table_prefix) + 1:) // ': order ' // to_text(own(i)%order))
+        end do
         formulations = pack(scene%precision_formulations, scene%precision_formulations /= '')
         if (size(formulations) == 0) formulations = ['auto']
         names = names_of_methods(scene, scene%precision_methods)

@@ -152,11 +152,11 @@ class SweepFiguresTest(TableCase):
         assert [has_log_axis(table, name) for name in table.axes()] == [True, False, False]
 
     def test_most(self) -> None:
-        """Four parameters of five, and the title says so."""
+        """Five parameters on a page, of which a column has two, and the title says so."""
         table = self.read(a_cloud(5))
-        assert panels_of(table).shape[1] == 4
-        title = draw_scatter(table).get_suptitle().replace("\n", " ")
-        assert "4 of 5 parameters" in title
+        assert panels_of(table).shape[1] == 5
+        title = draw(table, "scatter", width="column").get_suptitle().replace("\n", " ")
+        assert "2 of 5 parameters" in title
 
     def test_thinned(self) -> None:
         """The same points each time, with all rare ones; the title gives their number."""

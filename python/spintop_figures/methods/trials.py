@@ -21,6 +21,7 @@ from spintop_figures.style.numbers import DASH, TIMES, in_print, write_count
 from spintop_figures.style.page import new_figure, no_axis
 from spintop_figures.tables.names import name_of
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import say
 
 
 class Verdict(NamedTuple):
@@ -124,8 +125,8 @@ def draw_verdicts(table: Table) -> Figure:
     page = max(WIDTH / CELL, beside + across + BAR + 5)
     height = 1.2 + CELL * (BAR + 2 + down + below + LINE * len(legend))
     figure = new_figure(table, "Verdicts on the methods in hard cases", height, CELL * page)
-    widths = across, BAR, page - beside - across - BAR - 4
-    grid = figure.add_gridspec(3, 3, width_ratios=widths, height_ratios=(BAR, down, 0.01))
+    widths = across, page - beside - across - 4
+    grid = figure.add_gridspec(3, 2, width_ratios=widths, height_ratios=(BAR, down, 0.01))
     cells = figure.add_subplot(grid[1, 0])
     bars = {
         "case": figure.add_subplot(grid[0, 0], sharex=cells),
@@ -153,8 +154,10 @@ def draw_verdicts(table: Table) -> Figure:
     for reference, cases in references:
         ends = x[cases.iloc[0]] - 0.4, x[cases.iloc[-1]] + 0.4
         bars["case"].plot(ends, [1.1, 1.1], color=GREY, linewidth=0.8, clip_on=False)
-        name = textwrap.fill(f"against {reference}", max(10, int(np.ptp(ends) / LETTER)))
-        bars["case"].text(np.mean(ends), 1.15, name, ha="center", va="bottom", color=GREY, **SMALL)
+        name, room = say(f"against {reference}"), int(np.ptp(ends) / LETTER)
+        name = textwrap.fill(name, max(10, room))
+        style = {"rotation": 90 * (max(map(len, name.split("\n"))) > room), "color": GREY, **SMALL}
+        bars["case"].text(np.mean(ends), 1.15, name, ha="center", va="bottom", **style)
     foot = no_axis(figure.add_subplot(grid[2, :]))
     handles, labels = zip(*legend, strict=True)
     foot.legend(handles, labels, loc="upper left", **SMALL, handlelength=1.2, labelspacing=0.4)
@@ -191,7 +194,8 @@ def draw_counts(
             begin = begin + shares[name]
     for entry, verdicts in tried.groupby("entry")["verdict"]:
         words = f"{(verdicts == 'accurate').sum()}/{len(verdicts)}"
-        bars["entry"].text(1.05, places["entry"][entry], words, va="center", **SMALL)
+        place, beside = (1, places["entry"][entry]), {"textcoords": "offset points", "va": "center"}
+        bars["entry"].annotate(words, place, (3, 0), **beside, **SMALL)
     bars["case"].set_yticks([0.5], labels=["verdicts on\neach case"], color=GREY)
     bars["case"].set_ylim(0, 1)
     bars["entry"].set(xlim=(0, 1), xticks=[])

@@ -19,6 +19,7 @@ from spintop_figures.style.axes import MANY_POINTS, Places, draw_heads, name_axe
 from spintop_figures.style.numbers import write
 from spintop_figures.style.page import legend_below, panel_figure
 from spintop_figures.tables.table import Table
+from spintop_figures.tables.words import say
 
 Points = tuple[np.ndarray, np.ndarray, np.ndarray]
 
@@ -128,14 +129,14 @@ def mark_ends(axes: Axes, x: np.ndarray, y: np.ndarray, towards: Sequence[float]
         axes.plot(x[place], y[place], **ENDS[name] | face, zorder=5)
 
 
-def draw_globe(axes: Axes, view: View = WHOLE) -> None:
-    """The edge of the sphere or of the window, the graticule, and the vertical."""
+def draw_globe(axes: Axes, view: View = WHOLE, path: Points | None = None) -> None:
+    """The edge of the sphere or of the window, the graticule beside a path, and the vertical."""
     edge = view.window * np.array([np.cos(CIRCLE), np.sin(CIRCLE)])
     axes.fill(*edge, color=look.WASH, zorder=0)
     axes.plot(*edge, color=look.GREY, linewidth=0.8)
     front = {"color": look.FAINT, "linewidth": 0.5, "zorder": 1}
     if view.window < 1:
-        draw_fine_grid(axes, view, front)
+        draw_fine_grid(axes, view, front, path)
     else:
         for place in np.arange(0, np.pi, GRID):
             at = np.full_like(CIRCLE, place)
@@ -149,7 +150,7 @@ def draw_globe(axes: Axes, view: View = WHOLE) -> None:
     axes.set_axis_off()
 
 
-def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
+def draw_fine_grid(axes: Axes, view: View, style: dict, path: Points) -> None:
     """Circles of equal inclination in a window, with their numbers, and meridians."""
     radius = np.arcsin(min(view.window, 1.0))
     middle = np.arctan2(np.hypot(*view.towards[:2]), view.towards[2])
@@ -158,6 +159,7 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
     step = np.radians(next(n * power for n in (1, 2, 5, 10) if n * power >= least))
     low, high = max(middle - radius, 0.0), min(middle + radius, np.pi)
     around = np.linspace(0, 2 * np.pi, 2881)
+    path_seen = project(*thinned(path), view)[:2]
     outline = [withStroke(linewidth=2, foreground=look.WASH)]
     words = {"fontsize": "small", "color": look.GREY, "ha": "center", "va": "center", "zorder": 2}
     for count in range(int(np.ceil(low / step)), int(high / step) + 1):
@@ -166,8 +168,10 @@ def draw_fine_grid(axes: Axes, view: View, style: dict) -> None:
             draw_seen(axes, circle, style, view=view)
             x, y, towards = project(*circle, view)
             inside = (np.hypot(x, y) < 0.97 * view.window) & (towards > 0)
-            if inside.any():  # its number, at its lower right end
-                place = int(np.argmax(np.where(inside, x - 0.8 * y, -np.inf)))
+            if inside.any():  # its number, beside the path, at its lower right end
+                gaps = [np.hypot(x - px, y - py) for px, py in zip(*path_seen, strict=True)]
+                free = np.minimum(np.min(gaps, axis=0), 0.1 * view.window)
+                place = int(np.argmax(np.where(inside, 20 * free + x - 0.8 * y, -np.inf)))
                 name = f"{write(np.degrees(count * step), 8)}°"
                 axes.text(x[place], y[place], name, path_effects=outline, **words)
     down = np.linspace(low, high, 181)
@@ -182,7 +186,7 @@ def draw_path_on(axes: Axes, points: Points, joined: bool) -> View:
     there = np.isfinite(points).all(axis=0)
     points = tuple(part[there] for part in points)
     view = view_of(points)
-    draw_globe(axes, view)
+    draw_globe(axes, view, points)
     draw_seen(axes, points if joined else thinned(points), *halves_of(joined), view)
     seen = project(*points, view)
     if joined:
@@ -290,7 +294,7 @@ def draw_traces(tables: Sequence[Table]) -> Figure:
     for axes, table, lines in zip(panels, tables, told, strict=True):
         title = textwrap.fill(table.title, int(side * 13)).replace("$", r"\$")
         alone = len(tables) == 1  # it has its title below the figure
-        words = "\n".join([title] * (not alone) + lines)
+        words = "\n".join([title] * (not alone) + [*map(say, lines)])
         axes.set_title(words, loc="center", fontsize="small", pad=2)
     legend_below(panels, looks, look.by_width(5, 2))
     return figure

@@ -131,7 +131,7 @@ def telling(table: Table) -> list[Quantity]:
 def draw_scatter(table: Table) -> Figure:
     """Points of a sweep over several parameters that is not a grid of two."""
     names, known = varying(table), telling(table)
-    shown, told = names[: by_width(4, 2)], known[:6]
+    shown, told = names[: by_width(5, 2)], known[:6]
     has_plane = len(names) == by_width(2, 0)
     across = len(shown) + has_plane
     cloud = make_cloud(table, len(told) * across)

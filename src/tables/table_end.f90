@@ -244,7 +244,8 @@ contains
         step = 0
         first = 1
         do while (first <= len(text))
-            last = first + index(text(first:) // nl, nl) - 2
+            last = first + index(text(first:), nl) - 2
+            if (last < first - 1) last = len(text) ! a text that was cut
             line = line + 1
             if (index(text(first:last), '#') /= 1) then
                 row = row + 1

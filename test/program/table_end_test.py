@@ -2,6 +2,7 @@
 
 import random
 import re
+import resource
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -222,3 +223,40 @@ def test_tables_of_cases(spin):
     cases.write_bytes(b"".join([*rows[:-1], line]))
     said = spin(axes, "--check", code=2).stderr
     assert "it has 19 rows, and its last line says 20" in said
+
+
+MANY = """\
+&study kind = 'sweep' /
+&top mass = 0.1, length = 0.05, inertia = 1e-3, 1e-3, 5e-4 /
+&initial theta_deg = 20 /
+&span nutations = 1 /
+&output columns = 'theta_min', 'theta_max', 'nutation_period', 'delta_u' /
+&sweep parameter(1) = 'initial.spin_ratio', from(1) = 1.5, to(1) = 4, count(1) = {} /
+"""
+
+
+def test_time_goes_with_the_rows(spin):
+    """Whoever finds what is wrong with a table takes four times as long for four times the rows."""
+    axes = re.sub("&sweep.*", "&sweep table = 'output/scene.1-of-2.csv' /", MANY)
+
+    def spent(call, *words, **options):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        call(*words, **options)
+        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+    times = []
+    for cases in (60_000, 240_000):
+        names = spin.parts(MANY.format(cases), 2, "--restart")
+        for name in names:
+            path = spin.folder / name
+            whole = path.read_bytes()
+            path.write_bytes(whole[:-100] if name == names[1] else whole.replace(b",1.5", b",2", 1))
+        times.append(
+            [
+                spent(merge, spin, "all.csv", *reversed(names), code=2),
+                spent(spin, axes, "--check", code=2),
+                spent(spin, MANY.format(cases), "--shard=2/2", "--resume", code=2),
+            ]
+        )
+    for few, many in zip(*times, strict=True):
+        assert many < 8 * few + 0.1

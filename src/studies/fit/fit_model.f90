@@ -58,8 +58,9 @@ module spintop_fit_model
         !> Changes of the sought numbers that matter, whatever their values; 0 for numbers of which the sign cannot change, where
         !> those in proportion to the value do.
         real(dp), allocatable, private :: scales(:)
-        !> Where the body is symmetric, and I2 is not sought, the sought I1 is also I2.
-        logical, private :: ties_inertia = .false.
+        !> Where the body is symmetric, the sought moment of inertia about x, and the sought damping, are also those about y,
+        !> if these are the same in the input and not sought.
+        logical, private :: ties_inertia = .false., ties_damping = .false.
         !> Absolute tolerance of the plan.
         real(dp), private :: absolute_tolerance = 0
         !> Which of the keys is theta at the start; 0 for none.
@@ -109,8 +110,8 @@ contains
         allocate (self%is_mirrored(size(measured)), source=.false.)
         allocate (self%ranges(size(sought%key), 2), source=unset)
         associate (keys => sought%keys)
-            self%ties_inertia = any_is('top.inertia(1)') .and. .not. any_is('top.inertia(2)') .and. &
-                                is_equal(scene%inertia(1), scene%inertia(2))
+            self%ties_inertia = ties('top.inertia', scene%inertia)
+            self%ties_damping = ties('top.damping', scene%damping)
             do k = 1, size(keys)
                 if (any(keys(k)%name == [character(17) :: 'initial.theta', 'initial.theta_deg'])) self%theta = k
             end do
@@ -151,6 +152,14 @@ contains
         end if
 
     contains
+
+        !> Whether a number about x of a symmetric body stands for that about y.
+        pure logical function ties(name, values)
+            character(*), intent(in) :: name
+            real(dp), intent(in) :: values(3)
+            ties = any_is(name // '(1)') .and. .not. any_is(name // '(2)') .and. is_equal(values(1), values(2)) .and. &
+                   is_equal(case%given_body%inertia(1), case%given_body%inertia(2))
+        end function ties
 
         !> Whether a key is sought.
         pure logical function any_is(name)
@@ -410,6 +419,7 @@ contains
                 call own%slots(k)%set(x(places(k)))
             end do
             if (self%ties_inertia) own%scene%inertia(2) = own%scene%inertia(1)
+            if (self%ties_damping) own%scene%damping(2) = own%scene%damping(1)
             call make_case(own%scene, own%case, problems)
         end associate
     end subroutine set_case

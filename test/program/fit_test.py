@@ -260,6 +260,44 @@ def test_bad_measurements(spin, data, message):
     assert message in spin.refuse(TOP + FIT, data=data)
 
 
+CLOCK = 123.456
+
+
+def test_the_sign_of_a_clock(spin):
+    """The times of a clock with the offset that should be taken from them."""
+    data = measure(spin)
+    data.t += CLOCK
+    said = spin.refuse(TOP + FIT, f"fit.time_offset={CLOCK}", data=noisy(data, 0))
+    assert "the first row is then at 246.9 s of the motion" in said
+    assert f"give -{CLOCK} where" in said
+    assert spin(TOP + FIT, f"fit.time_offset=-{CLOCK}", data=noisy(data, 0)).status == "ok"
+
+
+def test_an_offset_in_another_unit(spin):
+    """The offset of a column has the name of that column."""
+    data = noisy(measure(spin, columns=("theta", "omega1_deg")), 0)
+    said = spin.refuse(TOP + FIT.replace("initial.psi_rate", "offset.omega1"), data=data)
+    assert "write offset.omega1_deg" in said
+
+
+FAST = """\
+&top mass = 0.1 inertia = 2e-4, 2e-4, 5e-5 length = 0.03 damping = 3*1.2e-7 /
+&initial theta_deg = 20 omega3 = 200 /
+"""
+
+
+def test_damping_across_the_axis_of_a_symmetric_body(spin):
+    """The damping about x is also that about y; if both are sought, only their sum is known."""
+    motion = FAST + "&span t_end = 20, samples = 401 /\n"
+    data = noisy(spin(motion + output("t", "theta", "omega3")).rows, 5, 1e-5)
+    fit = "&study kind = 'fit' /\n&fit data = 'data.csv' unknown = 'top.damping(1)', '{}' /\n"
+    start = FAST.replace("1.2e-7", "1e-7")
+    rows = spin(start + fit.format("top.damping(3)"), data=data).rows
+    assert (abs(rows.estimate - 1.2e-7) < 4 * rows.standard_error).all()
+    run = spin(FAST + fit.format("top.damping(2)"), code=3, data=data)
+    assert "not_identifiable" in run.status
+
+
 def test_figure(spin):
     """Residuals are two panels a measured column, with what the table says; parameters none."""
     run = spin(TOP + FIT, data=noisy(measure(spin), 1))

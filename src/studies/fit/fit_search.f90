@@ -362,6 +362,12 @@ contains
                                   ' where the motion starts with the first row, 0 where it starts before')
                 return
             end if
+            if (fit%time_offset > span .and. abs(measured%t(1) - fit%time_offset) <= span) then
+                call problems%add('fit.time_offset', 'it is added to the times of the table: the first row is then at ' // &
+                                  rounded(measured%t(1) + fit%time_offset) // ' s of the motion', &
+                                  'give ' // to_text(-measured%t(1)) // ' where the motion starts with the first row')
+                return
+            end if
             interval = span / (n - 1)
             if (interval > most_periods * period) then
                 message = 'the rows are ' // rounded(interval) // ' s apart, which are ' // rounded(interval / period) // &

@@ -213,7 +213,11 @@ contains
                 if (.not. allocated(measured(run)%columns)) cycle
                 k = place_of(measured(run)%columns, column)
                 is_measured(run) = k > 0
-                if (k == 0) cycle
+                if (k == 0) then
+                    k = findloc(measured(run)%columns%quantity() == column, .true., dim=1)
+                    if (k > 0) hint = 'write ' // name(:index(name, '.')) // trim(measured(run)%columns(k)%name)
+                end if
+                if (.not. is_measured(run)) cycle
                 if (index(name, 'offset.') == 1) then
                     found%unit = trim(measured(run)%columns(k)%unit)
                 else if (measured(run)%turn(k) > 0) then

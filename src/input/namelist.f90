@@ -23,6 +23,7 @@ module spintop_namelist
     !> Quotes around texts.
     character(*), parameter :: quotes = '''"'
 
+    character, parameter :: nl = new_line('a')
     !> Largest size of an input, bytes.
     integer, parameter :: largest_file = 1024 * 1024
     !> The same of a table.
@@ -32,7 +33,7 @@ contains
 
     !> Reads a file and then the overrides (`group.key=value`; the last one for a key counts) into the
     !> variables of the table. Problems of the input are added to the diagnostics; an error means that the
-    !> table itself is wrong. With `in_table` the file is a table of results, whose header has the input.
+    !> table itself is wrong. A file `NAME.csv`, or any with `in_table`, is a table of results, whose header has the input.
     subroutine read_namelist(path, overrides, table, diagnostics, error, given, in_table)
         character(*), intent(in) :: path !! path of the file, or the name of the given text
         type(string_t), intent(in) :: overrides(:) !! overrides `group.key=value`
@@ -49,8 +50,8 @@ contains
 
         call table%verify(error)
         if (allocated(error)) return
-        is_table = .false.
-        if (present(in_table)) is_table = in_table
+        is_table = index(path // nl, '.csv' // nl) > 0
+        if (present(in_table)) is_table = is_table .or. in_table
         if (present(given)) then
             text = given
         else

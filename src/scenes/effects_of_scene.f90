@@ -7,7 +7,7 @@ module spintop_effects_of_scene
     use spintop_effects, only: effects_t, harmonic_t
     use spintop_effects_keys, only: axes_names, effects_scene_t, interpolation_of, swing_t
     use spintop_errors, only: error_t
-    use spintop_files, only: path_from
+    use spintop_files, only: beside_input, path_from
     use spintop_loaded_table, only: read_table, table_t
     use spintop_loads, only: friction_jams
     use spintop_parameters, only: given, is_set
@@ -270,8 +270,7 @@ contains
         do i = 1, size(names)
             if (.not. allocated(error)) call table%read_column(trim(names(i)), column, error)
             if (allocated(error)) then
-                call problems%add(key, error%message, 'its columns are ' // join(names, ', ') // '; its path is relative to the &
-                    &folder of the input')
+                call problems%add(key, error%message, 'its columns are ' // join(names, ', ') // '; ' // beside_input)
                 return
             end if
             if (i == 1) allocate (values(size(column), size(names)))

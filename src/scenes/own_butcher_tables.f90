@@ -6,7 +6,7 @@ module spintop_own_butcher_tables
     use spintop_arkode, only: create_tableau_stepper, parse_tableau, tableau_info, tableau_t
     use spintop_checksum, only: checksum_of, checksum_width
     use spintop_errors, only: error_t
-    use spintop_files, only: path_from, read_file
+    use spintop_files, only: beside_input, path_from, read_file
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
     use spintop_methods, only: create_stepper
@@ -64,7 +64,7 @@ contains
             name = ''
             call read_file(path_from(input, path), most_bytes, text, error, is_text=.true.)
             if (allocated(error)) then
-                call problems%add(key, error%message, 'its path is relative to the folder of the input')
+                call problems%add(key, error%message, beside_input)
                 return
             end if
             if (given /= '' .and. given /= '@' // checksum_of(text)) then

@@ -9,6 +9,10 @@ module spintop_files
     public :: check_target, sync_file, make_folder, make_private_folder, remove_folder, rename_file, remove_file, sync_folder_of
     public :: print_text, complain_of, end_output, utc_now, host_name
 
+    !> Where a file is sought that an input names.
+    character(*), parameter, public :: beside_input = 'its path is relative to the folder of the input, or of the table that &
+        &has the input in its header'
+
     integer, parameter :: no_file = -1
     !> Numbers of the standard streams.
     integer(c_int), parameter :: standard_output = 1, standard_error = 2

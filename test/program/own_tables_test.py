@@ -105,3 +105,16 @@ def test_a_formulation_with_the_method_of_a_scene(spin):
     error = spin.refuse(FIXED.replace("own.txt", "own.txt/lagrange"))
     assert "names a formulation as well" in error
     assert "integration.formulation = 'lagrange'" in error
+
+
+def test_a_table_of_results_is_an_input(spin):
+    """The input in its header runs again to the same bytes; files that it names are beside it."""
+    spin.write(EIGHTHS, "own.txt")
+    first = spin(FIXED)
+    table = "output/scene.csv"
+    said = spin.call("--check", table, code=2).err
+    assert "relative to the folder of the input, or of the table that has the input" in said
+    spin.write(EIGHTHS, "output/own.txt")
+    again = spin.call("--output=again", table, path="again/scene.csv")
+    assert again.path.read_bytes() == first.path.read_bytes()
+    assert "would replace" in spin.call(table, code=2).err

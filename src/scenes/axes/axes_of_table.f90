@@ -9,6 +9,7 @@ module spintop_axes_of_table
     use spintop_checksum, only: checksum_of
     use spintop_diagnostics, only: diagnostics_t
     use spintop_errors, only: error_t
+    use spintop_files, only: beside_input
     use spintop_kinds, only: dp
     use spintop_loaded_table, only: table_t
     use spintop_parameters, only: parameter_table_t, unset_integer
@@ -50,7 +51,7 @@ contains
         end if
         call cases%open(input, scene%sweep_table, diagnostics, error)
         if (allocated(error)) then
-            call problems%add('sweep.table', error%message, 'its path is relative to the folder of the input')
+            call problems%add('sweep.table', error%message, beside_input)
             return
         end if
         if (scene%sweep_table_checksum == '') then

@@ -6,7 +6,7 @@ module spintop_fit_data
     use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_kinds, only: dp, is_finite
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: path_from
+    use spintop_files, only: beside_input, path_from
     use spintop_loaded_table, only: read_table, table_t
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
@@ -142,7 +142,7 @@ contains
         call read_table(path, table, error)
         if (.not. allocated(error)) call read_times(table, measured, error)
         if (allocated(error)) then
-            call problems%add(key, error%message, 'its path is relative to the folder of the input')
+            call problems%add(key, error%message, beside_input)
             return
         end if
         call check_times(escaped(path), key, scene, measured%t, problems)

@@ -272,6 +272,10 @@ AXIS = ("sweep.from=1", "sweep.to=2", "sweep.count=2")
 @each(
     "settings, part",
     (["work_precision.methods=tailor"], "did you mean 'taylor'"),
+    (
+        ["work_precision.methods=arkode_verner_8_5_6"],
+        "it is a table: name 'arkode_erk', and give integration.table = 'arkode_verner_8_5_6'",
+    ),
     (["work_precision.methods=rk4/lagrang"], "did you mean 'lagrange'"),
     ([RK4, "span.samples=8"], "7 intervals do not divide 100"),
     (["integration.method=rk4"], "compares methods"),

@@ -5,6 +5,7 @@
 !> Problems do not depend on each other, and are dealt out to the ranks in turn. Their rows are in the order of the problems.
 module spintop_comparison
     use, intrinsic :: iso_fortran_env, only: int64
+    use spintop_arkode, only: arkode_table, arkode_table_t
     use spintop_case, only: case_t
     use spintop_process, only: seconds
     use spintop_diagnostics, only: diagnostics_t
@@ -438,10 +439,18 @@ contains
     subroutine refuse_name(key, noun, name, known, problems)
         character(*), intent(in) :: key, noun, name, known(:)
         type(problems_t), intent(inout) :: problems
+        character(*), parameter :: with_tables(2) = [character(11) :: 'arkode_erk', 'arkode_dirk']
         character(:), allocatable :: hint
+        type(arkode_table_t) :: table
+        integer :: i
         hint = ''
         if (noun == 'method') hint = own_name(name, method_aliases)
         if (hint /= '') hint = did_you_mean(hint, [character(len(hint)) :: hint])
+        do i = 1, merge(size(with_tables), 0, noun == 'method')
+            table = arkode_table(name, i == 2)
+            if (table%stages > 0) hint = "it is a table: name '" // trim(with_tables(i)) // &
+                                         "', and give integration.table = '" // name // "'"
+        end do
         if (hint == '') hint = did_you_mean(name, known)
         if (hint == '') hint = '`spintop list ' // noun // 's` shows them all'
         call problems%add(key, 'there is no ' // noun // " '" // name // "'", hint)

@@ -409,8 +409,8 @@ contains
             end associate
         end do
         call append(list%text, '')
-        call append(list%text, 'tables of arkode_erk:  ' // join(arkode_table_names(.false.), ', '))
-        call append(list%text, 'tables of arkode_dirk: ' // join(arkode_table_names(.true.), ', '))
+        call append(list%text, 'tables of arkode_erk, for integration.table:  ' // join(arkode_table_names(.false.), ', '))
+        call append(list%text, 'tables of arkode_dirk, for integration.table: ' // join(arkode_table_names(.true.), ', '))
     end subroutine add_methods
 
     !> The formulations under which a method can integrate a Lagrange top.

@@ -93,7 +93,7 @@ contains
         best = ''
         ! Much longer than any name: nothing is similar, and the comparison would be slow.
         if (len_trim(word) > 100) return
-        least = max(1, len_trim(word) / 3) + 1
+        least = max(1, (len_trim(word) + 1) / 3) + 1
         do i = 1, size(candidates)
             found = edit_distance(lower_case(trim(word)), lower_case(candidates(i)%text))
             if (found < least .and. found < len(candidates(i)%text)) then

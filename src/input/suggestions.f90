@@ -29,11 +29,14 @@ contains
         type(place_t), intent(in) :: place !! where it stands
         type(diagnostics_t), intent(inout) :: diagnostics !! the error is added
         type(string_t) :: names(size(table%groups))
+        character(:), allocatable :: begin
         integer :: i
+        begin = name
         do i = 1, size(names)
             names(i)%text = '&' // table%groups(i)%name
+            if (index(name, table%groups(i)%name) == 1) begin = table%groups(i)%name ! such as &sweeps_of_tops
         end do
-        call diagnostics%error(place, 'unknown group &' // abbreviate(name), suggest_word('&' // name, names))
+        call diagnostics%error(place, 'unknown group &' // abbreviate(name), suggest_word('&' // begin, names))
     end subroutine refuse_group
 
     !> The error of an unknown key, with the key that another name stands for, the most similar one, or the list of all.

@@ -234,6 +234,7 @@ def fit(
     unknown: str | Sequence[str],
     given: Mapping[str, Mapping[str, Any]],
     *,
+    columns: Mapping[str, str] | Sequence[str] | None = None,
     unknown_each: str | Sequence[str] | Mapping[str, Sequence[float] | None] = (),
     sigma: float | Sequence[float] | Measurements | Sequence[Measurements] | None = None,
     profile: bool = True,
@@ -242,8 +243,10 @@ def fit(
     """Find numbers of an input from measurements: `{"t": [...], "theta": [...]}`.
 
     `data` has the times (s) and columns of trajectories, in their units, or in those that their
-    names end in, as `{"t_ms": [...], "theta_deg": [...]}`; a pandas frame will do. `nan` is no
-    reading. A list of such has several runs of the body. `unknown` names the sought numbers, as
+    names end in, as `{"t_ms": [...], "theta_deg": [...]}`; a pandas frame will do, whose index may
+    have the times as dates or time differences. `columns` maps others, with their units, as
+    `{"t": "time (ms)", "omega1": "gx (dps)"}`, or names the measured ones. `nan` is no reading.
+    A list of such data has several runs of the body. `unknown` names the sought numbers, as
     `top.inertia(3)` or `offset.theta`; their values in `given`, the groups of the input, are where
     the search begins. `unknown_each` names those of which each run has its own, `initial.*` and
     `offset.*`; a mapping gives each the values of the runs where the search begins. `sigma` is the
@@ -263,11 +266,15 @@ def fit(
     if len(by_run) != len(runs):
         raise InputError(f"sigma: {len(by_run)} for {len(runs)} runs", code=2)
     check_groups(given, "given")
-    tables = [measurements(*each) for each in zip(runs, by_run, strict=True)]
+    mapped = columns if isinstance(columns, Mapping) else {}
+    tables = [measurements(*each, mapped) for each in zip(runs, by_run, strict=True)]
     known = None if named or isinstance(sigma, Mapping) else sigma
     own: dict[str, Any] = {"data": (), "sigma": known, "profile": profile}
     own |= {"unknown": names_in(unknown) or None, "unknown_each": names_in(unknown_each) or None}
     own["start_each"] = [*unknown_each.values()] if isinstance(unknown_each, Mapping) else None
+    if columns is not None:
+        pairs = (f"{name} = {source}" for name, source in mapped.items())
+        own["columns"] = tuple(pairs) if mapped else names_in(columns)
     scene = {name.lower(): keys for name, keys in given.items()}
     study, others = (
         {key.lower(): value for key, value in scene.get(name, {}).items()}
@@ -276,31 +283,55 @@ def fit(
     if twice := [key for key in own if key in others]:
         raise InputError(f"fit.{twice[0]} is an argument of fit", code=2)
     with tempfile.TemporaryDirectory() as folder:
-        for number, columns in enumerate(tables, 1):
+        for number, table in enumerate(tables, 1):
             path = Path(folder) / f"measured{number}.csv"
-            rows = zip(*(column.tolist() for column in columns.values()), strict=True)
-            lines = [",".join(columns), *(",".join(map(repr, row)) for row in rows)]
+            cells = ([str(each) for each in column.tolist()] for column in table.values())
+            lines = [",".join(map(quoted, table)), *map(",".join, zip(*cells, strict=True))]
             path.write_text("\n".join(lines) + "\n", encoding="utf-8")
             own["data"] += (str(path),)
         scene |= {"study": study | {"kind": "fit"}, "fit": others | own}
         return run_input(scene, None, 0, progress, *own["data"])
 
 
-def measurements(data: Measurements, sigma: Any) -> dict[str, np.ndarray]:
+def quoted(text: object) -> str:
+    """A text as a cell of a table."""
+    return '"' + " ".join(str(text).replace('"', "'").split()) + '"'
+
+
+def readings(values: ArrayLike, name: str, takes_words: bool) -> np.ndarray:
+    """An array of numbers, or of cells with dates; with other words where these may stand."""
+    array = np.asanyarray(values)
+    if array.dtype.kind == "M":
+        return np.datetime_as_string(array.astype("M8[ns]"))
+    if array.dtype.kind == "m":
+        return array / np.timedelta64(1, "s")
+    if array.dtype.kind in "OU" and (takes_words or hasattr(next(array.flat, 0), "isoformat")):
+        return np.array([quoted(each) for each in array.flat]).reshape(array.shape)
+    return numbers(values, name)
+
+
+def measurements(
+    data: Measurements, sigma: Any, mapped: Mapping[str, str]
+) -> dict[str, np.ndarray]:
     """The columns of a run, of one length, and those of deviations given by their names."""
     check_groups(data, "data")
-    time = find_column(data, "t", "s")[0]
-    if not time:
-        raise InputError("the measurements have no times: give t, in s from the start", code=2)
-    columns = {name: numbers(values, name) for name, values in data.items()}
-    shape = columns[time].shape
+    given = dict(data.items())
+    time = find_column(given, "t", "s")[0] or find_column(mapped, "t", "s")[0]
+    if not time and np.asanyarray(getattr(data, "index", 0)).dtype.kind in "mMO":
+        given, time = {"t": data.index} | given, "t"
+    if not (time and given):
+        hint = 'give t, in s from the start, or map it: columns={"t": "NAME (ms)", ...}'
+        raise InputError(f"the measurements have no times: {hint}", code=2)
+    columns = {str(name): readings(each, str(name), bool(mapped)) for name, each in given.items()}
+    first = time if time in columns else next(iter(columns))
+    shape = columns[first].shape
     for name, column in columns.items():
         if column.ndim != 1 or column.shape != shape:
-            shapes = f"{name} has the shape {column.shape}, but {time} {shape}"
+            shapes = f"{name} has the shape {column.shape}, but {first} {shape}"
             raise InputError(shapes, code=2)
     if not isinstance(sigma, Mapping):
         return columns
-    measured = [name for name in columns if name != time]
+    measured = [name for name in mapped or columns if name != time]
     for name in [*sigma, *measured]:
         if name not in measured:
             raise InputError(f"sigma: {name} is not measured", code=2)

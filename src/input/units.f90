@@ -10,7 +10,7 @@ module spintop_units
     use spintop_text, only: append, join, lower_case, string_t, to_text
     implicit none
     private
-    public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word
+    public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word, own_spelling
 
     !> A word: its size in the units of the SI, and the exponents of kg, m, s and rad. An angle is a dimension of its own here, so
     !> that degrees are not taken for numbers.
@@ -30,13 +30,15 @@ module spintop_units
         word_t('m', 1.0_dp, length), word_t('cm', 1.0e-2_dp, length), word_t('mm', 1.0e-3_dp, length), &
         word_t('um', 1.0e-6_dp, length), word_t('km', 1.0e3_dp, length), word_t('in', 0.0254_dp, length), &
         word_t('ft', 0.3048_dp, length), &
-        word_t('s', 1.0_dp, time), word_t('ms', 1.0e-3_dp, time), word_t('us', 1.0e-6_dp, time), word_t('min', 60.0_dp, time), &
+        word_t('s', 1.0_dp, time), word_t('ms', 1.0e-3_dp, time), word_t('us', 1.0e-6_dp, time), word_t('ns', 1.0e-9_dp, time), &
+        word_t('min', 60.0_dp, time), &
         word_t('h', 3600.0_dp, time), word_t('d', 86400.0_dp, time), &
         word_t('rad', 1.0_dp, angle), word_t('mrad', 1.0e-3_dp, angle), word_t('deg', pi / 180, angle), &
+        word_t('mdeg', 1.0e-3_dp * pi / 180, angle), &
         word_t('rev', 2 * pi, angle), word_t('turn', 2 * pi, angle), word_t('turns', 2 * pi, angle), &
         word_t('rpm', 2 * pi / 60, rate), word_t('rps', 2 * pi, rate), &
         word_t('N', 1.0_dp, force), word_t('mN', 1.0e-3_dp, force), word_t('kN', 1.0e3_dp, force), &
-        word_t('g0', 9.80665_dp, length - 2 * time), &
+        word_t('g0', 9.80665_dp, length - 2 * time), word_t('mg0', 9.80665e-3_dp, length - 2 * time), &
         word_t('J', 1.0_dp, energy), word_t('mJ', 1.0e-3_dp, energy), word_t('kJ', 1.0e3_dp, energy), &
         word_t('1', 1.0_dp, [0, 0, 0, 0])]
 
@@ -45,12 +47,15 @@ module spintop_units
 
     !> What a number of degrees may have, as UTF-8.
     character(*), parameter :: degree_sign = char(194) // char(176)
+    character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
 
     !> Each `other=unit`: what is written elsewhere, in small letters, and the unit here.
     character(*), parameter :: other_words(*) = [character(18) :: &
-        'hz=rev/s', 'cycle=rev', 'cycles=rev', 'revs=rev', 'revolution=rev', 'revolutions=rev', 'u=rev', &
+        'hz=rev/s', 'cycle=rev', 'cycles=rev', 'revs=rev', 'revolution=rev', 'revolutions=rev', 'u=rev', 'r=rev', &
+        'dps=deg/s', 'mdps=mdeg/s', &
         'degree=deg', 'degrees=deg', 'radian=rad', 'radians=rad', &
-        'sec=s', 'second=s', 'seconds=s', 'minute=min', 'minutes=min', 'hr=h', 'hour=h', 'hours=h', 'day=d', 'days=d', &
+        'sec=s', 'secs=s', 'second=s', 'seconds=s', 'msec=ms', 'millis=ms', 'milliseconds=ms', 'usec=us', 'micros=us', &
+        'microseconds=us', 'nanoseconds=ns', 'minute=min', 'minutes=min', 'hr=h', 'hour=h', 'hours=h', 'day=d', 'days=d', &
         'meter=m', 'metre=m', 'meters=m', 'metres=m', 'inch=in', 'gram=g', 'grams=g', &
         'newton=N', 'joule=J', 'kgm=kg m', 'gcm=g cm', 'nm=N m', 'nms=N m s', 'ncm=N cm', 'js=J s']
 
@@ -71,6 +76,55 @@ contains
             if (lower_case(trim(words(i)%name)) == lower_case(word)) unit = trim(words(i)%name)
         end do
     end function meant_unit
+
+    !> The unit that other programs mean, in the words here: `deg/s` of `dps` and of a degree sign with `/sec`, `m/s^2` of `m/s2`,
+    !> `g0` of `g` where an acceleration is wanted. What is not known stays as it is.
+    pure function own_spelling(text, wanted) result(unit)
+        character(*), intent(in) :: text !! in ASCII, UTF-8 or Latin-1
+        character(*), intent(in) :: wanted !! the unit of the quantity
+        character(:), allocatable :: unit, piece
+        integer :: i, at, after
+
+        unit = ''
+        do i = 1, len_trim(text)
+            piece = text(i:i)
+            select case (iachar(piece))
+            case (194, 206, 226, 129) ! the first bytes of the signs below
+                cycle
+            case (176, 186) ! degree signs
+                piece = 'deg'
+            case (178, 179) ! exponents 2 and 3
+                piece = achar(iachar(piece) - 128)
+            case (185) ! exponent 1
+                piece = '1'
+            case (187) ! exponent -
+                piece = '-'
+            case (181, 188) ! Greek mu
+                piece = 'u'
+            case (183) ! product
+                piece = ' '
+            end select
+            at = len(unit)
+            if (at > 0) then
+                if (piece == '*' .and. unit(at:) == '*') then
+                    unit(at:) = '^'
+                    cycle
+                end if
+                if (scan(piece, '+-123456789') > 0 .and. scan(lower_case(unit(at:)), letters) > 0) piece = '^' // piece
+            end if
+            unit = unit // piece
+        end do
+        at = 1
+        do while (at <= len(unit))
+            after = at - 1 + scan(unit(at:) // ' ', ' */^')
+            piece = unit(at:after - 1)
+            if (all(words%name /= piece)) piece = meant_unit(piece)
+            if (piece == '') piece = unit(at:after - 1)
+            unit = unit(:at - 1) // piece // unit(after:)
+            at = at + len(piece) + 1
+        end do
+        if (wanted == 'm/s^2' .and. any(unit == ['g ', 'mg'])) unit = unit // '0'
+    end function own_spelling
 
     !> The factor by which a number in one unit is a number in another; `problem` says why there is none, or is ''.
     subroutine convert_unit(given, wanted, factor, problem)

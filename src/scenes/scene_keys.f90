@@ -83,7 +83,7 @@ module spintop_scene_keys
         real(dp) :: start_each(most_unknown, most_runs) = unset
         !> Where the sought parameters are searched, if the search is to be global.
         real(dp) :: from(most_unknown) = unset, to(most_unknown) = unset
-        character(key_length) :: columns(most_columns) = ''
+        character(128) :: columns(most_columns) = ''
         real(dp) :: sigma(most_columns) = unset
         character(key_length) :: wrapped(most_columns) = ''
         character(32) :: loss = ''
@@ -437,7 +437,7 @@ contains
                        'lower ends of the ranges in which the parameters are sought, in their units (near their values)', &
                        elements=any_elements)
         call table%add('fit.to', scene%to, 'of fit.unknown', '', 'upper ends of these ranges', elements=any_elements)
-        call table%add('fit.columns', scene%columns, what='measured columns (all but t)')
+        call table%add('fit.columns', scene%columns, what='measured columns, and with = their names in the table (all but t)')
         call table%add('fit.sigma', scene%sigma, 'of fit.columns', '> 0', &
                        'standard deviations of the measured columns, in their units (one that is common to all columns, from the &
                        &residuals)', elements=leading_elements)

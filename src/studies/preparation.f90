@@ -231,7 +231,8 @@ contains
         number = column
         if (parameter%rank == 2) number = row
         associate (names => table%parameters(table%find(parameter%unit_of)), given => parameter%units(row, column)%text)
-            name = trim(names%text_at(number))
+            name = names%text_at(number)
+            name = trim(name(:scan(name // '=', '=') - 1)) ! of a mapped column of a fit
             of = names%name // '(' // to_text(number) // ')'
             if (name == '') then
                 call diagnostics%error(parameter%places(row, column), parameter%element_name(row, column) // &

@@ -23,15 +23,17 @@ module spintop_loaded_table
     use spintop_table_column, only: column_of_notes, column_of_words, column_t, table_column_t
     use spintop_table_end, only: check_table_text
     use spintop_table_head, only: check_format
-    use spintop_text, only: abbreviate, escaped, string_t, to_text
+    use spintop_text, only: abbreviate, escaped, lower_case, string_t, to_text
     implicit none
     private
-    public :: read_table, table_t
+    public :: read_table, table_t, largest_table
     public :: data_table_t, data_column_t, load_table
 
     !> Maximum size of a table, bytes.
     integer, parameter :: largest_table = 2**30 - 1
     character(*), parameter :: blanks = ' ' // achar(9) // achar(13)
+    !> Cells of other programs where there is no number, in small letters.
+    character(*), parameter :: not_there(*) = [character(4) :: '', '-', 'na', 'n/a', 'null', 'none']
     character(*), parameter :: whole = 'quotes must be around the whole cell'
 
     !> The place of a cell: its line, its position in that, and its first and last byte, without blanks and quotes.
@@ -130,20 +132,25 @@ contains
 
     !> Opens a table whose path is relative to the folder of an input, and reads the names of its columns. A file
     !> that cannot be read is an error; errors of its text are added to the diagnostics.
-    subroutine open_table(self, input, path, diagnostics, error, takes_damaged)
+    subroutine open_table(self, input, path, diagnostics, error, takes_damaged, text)
         class(table_t), intent(out) :: self
         character(*), intent(in) :: input !! path of the input
         character(*), intent(in) :: path !! path of the table, relative to the folder of `input`
         type(diagnostics_t), intent(inout) :: diagnostics !! errors with their places are added
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         logical, intent(in), optional :: takes_damaged !! whether a table that differs from what was written is no error
+        character(*), intent(in), optional :: text !! what was read of the file
         type(cell_t), allocatable :: cells(:)
         character(:), allocatable :: problem
         integer :: line, first, last, n, bad, i
 
         self%damage = ''
         self%path = path_from(input, path)
-        call read_file(self%path, largest_table, self%text, error, may_wait=.true., is_text=.true.)
+        if (present(text)) then
+            self%text = text
+        else
+            call read_file(self%path, largest_table, self%text, error, may_wait=.true., is_text=.true.)
+        end if
         if (.not. allocated(error)) call check_format(self%path, self%text, error)
         if (allocated(error)) return
         if (index(self%text, achar(0)) > 0) then
@@ -205,7 +212,8 @@ contains
             else if (n < columns) then
                 call self%complain(diagnostics, cells(n), 'the row ends before ' // abbreviate(self%names(n + 1)%text), hint)
             else if (n > columns) then
-                call self%complain(diagnostics, cells(n), 'the row has more cells than the table has columns', hint)
+                call self%complain(diagnostics, cells(n), 'the row has more cells than the table has columns', &
+                                   hint // '; where commas separate, decimals have points')
             end if
             if (bad > 0 .or. n /= columns) return
             self%rows = self%rows + 1
@@ -299,7 +307,7 @@ contains
         character(*), intent(in) :: name !! name of the column
         real(dp), allocatable, intent(out) :: values(:) !! `nan` and `inf` are numbers, as tables contain them
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        logical, intent(in), optional :: takes_empty !! whether an empty cell is NaN, and no error
+        logical, intent(in), optional :: takes_empty !! whether an empty cell, or one of `not_there`, is NaN, and no error
         logical :: is_number, takes
         integer :: column, row, status
 
@@ -324,7 +332,7 @@ contains
                 end if
                 if (is_number) cycle
                 value = no_number
-                if (allocated(error) .or. (takes .and. cell == '')) cycle
+                if (allocated(error) .or. (takes .and. any(lower_case(cell) == not_there))) cycle
                 error = input_error(self%place_of_row(row) // ": '" // escaped(abbreviate(cell)) // "' in column " // name // &
                                     ' is not a number')
             end associate

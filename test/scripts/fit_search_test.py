@@ -3,6 +3,7 @@
 import unittest
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import python_library  # noqa: F401
@@ -286,7 +287,7 @@ def test_no_profile() -> None:
     (lambda data: data.update(theta=np.degrees(data["theta"])), "outside of \\[0, pi\\]"),
     (lambda data: data.update(t=data["t"] + 1.7e9), "the motion starts at 0"),
     (lambda data: data.update(theta=data["theta"][:-1]), "theta has the shape"),
-    (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "dates and times"),
+    (lambda data: data.update(t=data["t"].astype("datetime64[s]")), "do not increase"),
     (lambda data: data.update(theta=data["theta"] * np.nan), "theta has no reading"),
     (lambda data: data.pop("t"), "no times"),
 )
@@ -416,3 +417,38 @@ class FitTest(unittest.TestCase):
         (figure,) = result.plot().values()
         assert figure.axes[4].get_title("left") == "ψ (turn)"
         np.testing.assert_allclose(figure.axes[0].lines[-1].get_xdata(), data["t"], rtol=1e-14)
+
+
+START_OF_CLOCK = pd.Timestamp("2026-05-31T23:59:59")
+
+
+@each(
+    "times, columns",
+    ({"time (ms)": lambda t: 1000 * t + 123456}, {"t": "time"}),
+    ({"when": lambda t: (START_OF_CLOCK + pd.to_timedelta(t, "s")).to_numpy()}, {"t": "when"}),
+    ({"index": lambda t: START_OF_CLOCK + pd.to_timedelta(t, "s")}, {}),
+    ({"index": lambda t: START_OF_CLOCK.tz_localize("CET") + pd.to_timedelta(t, "s")}, {}),
+    ({"index": lambda t: pd.to_timedelta(t, "s")}, {}),
+)
+def test_frames_as_they_come(times, columns) -> None:
+    """Names of a frame are mapped, with deviations; its index may have the times."""
+    t = np.linspace(0, 3, 301)
+    exact = motion(t, "theta", "omega3")
+    frame = pd.DataFrame({"tilt [deg]": np.degrees(exact.theta), "gz": np.degrees(exact.omega3)})
+    frame["note"] = "a, b"
+    for name, make in times.items():
+        if name == "index":
+            frame.index = make(t)
+        else:
+            frame[name] = make(t)
+    columns = {**columns, "theta": "tilt", "omega3": "gz (dps)"}
+    given = {"top": TOP, "initial": {"theta": 1.01, "omega3": 81.0}}
+    sigma = {"theta": 1e-3, "omega3": 1e-2}
+    result = spintop.fit(frame, UNKNOWN, given, columns=columns, sigma=sigma)
+    assert estimates(result)["initial.omega3"][0] == pytest.approx(80, abs=1e-5)
+    residuals = result.tables["residuals"]
+    assert np.abs(residuals["theta"] - exact.theta).max() < 1e-12
+    assert np.abs(residuals["t"] - t).max() < 1e-9
+    assert "theta = tilt [deg]" in result.summary
+    with pytest.raises(spintop.InputError, match="omega3 = gz"):
+        spintop.fit(frame, UNKNOWN, given, columns={**columns, "omega3": "gz"})

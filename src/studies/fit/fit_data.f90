@@ -6,22 +6,20 @@ module spintop_fit_data
     use spintop_attitude, only: rotation_minus_one, to_space
     use spintop_kinds, only: dp, is_finite
     use spintop_errors, only: error_t, input_error
-    use spintop_files, only: beside_input, path_from
-    use spintop_loaded_table, only: read_table, table_t
+    use spintop_files, only: path_from
+    use spintop_logger_table, only: column_named, is_time, logger_table_t, read_logger_table, sigma_mark
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: fit_scene_t
     use spintop_study_column, only: find_column, needs_effects, needs_exact, needs_work, place_of, proof_group, study_column_t
-    use spintop_text, only: abbreviate, escaped, join, to_text
+    use spintop_text, only: abbreviate, escaped, join, string_t, to_text
     use spintop_trajectory_columns, only: trajectory_columns
     use spintop_units, only: convert_unit
     implicit none
     private
     public :: measurements_t, read_measurements, columns_of_motion, read_sensors, gauss_nodes
 
-    !> What follows the name of a column in that of its standard deviations, row by row.
-    character(*), parameter :: sigma_mark = '_sigma'
-    character(*), parameter :: time_column = 't', turn = 'turn'
+    character(*), parameter :: turn = 'turn'
 
     !> The measurements of a run, row by row.
     type :: measurements_t
@@ -42,6 +40,8 @@ module spintop_fit_data
         !> Their standard deviations, which are 1 where they are not known.
         real(dp), allocatable :: sigma(:, :)
         logical :: knows_sigma = .false.
+        !> What was understood: the columns, and the clock.
+        type(string_t) :: notes(2)
     contains
         procedure :: size => count_readings
         procedure :: differences
@@ -135,19 +135,20 @@ contains
         type(problems_t), intent(inout) :: problems
         type(study_column_t), allocatable :: columns(:)
         type(error_t), allocatable :: error
-        type(table_t) :: table
+        type(logger_table_t) :: table
         real(dp), allocatable :: values(:)
         integer :: i
 
-        call read_table(path, table, error)
-        if (.not. allocated(error)) call read_times(table, measured, error)
+        call read_logger_table(path, key, scene%columns, table, problems)
+        if (problems%any()) return
+        call read_times(table, measured, error)
         if (allocated(error)) then
-            call problems%add(key, error%message, beside_input)
+            call problems%add(key, error%message, 'a row has a time: omit others')
             return
         end if
         call check_times(escaped(path), key, scene, measured%t, problems)
         if (problems%any()) return
-        call choose_columns(key, scene, table, columns, problems)
+        call choose_columns(key, table, columns, problems)
         if (problems%any()) return
         allocate (measured%values(size(columns), size(measured%t)))
         do i = 1, size(columns)
@@ -166,44 +167,24 @@ contains
         call find_sensors(scene, columns, measured, problems)
         if (.not. problems%any()) call find_deviations(key, scene, table, columns, measured, problems)
         if (.not. problems%any()) call check_sizes(key, measured, problems)
-        if (.not. problems%any()) call move_alloc(columns, measured%columns)
+        if (problems%any()) return
+        call table%describe(columns%name, measured%t, measured%notes)
+        call move_alloc(columns, measured%columns)
     end subroutine read_run
 
     !> The times of the rows: the column `t`, or `t_ms` and the like.
     subroutine read_times(table, measured, error)
-        type(table_t), intent(in) :: table
+        type(logger_table_t), intent(in) :: table
         type(measurements_t), intent(inout) :: measured
         type(error_t), allocatable, intent(out) :: error
-        type(study_column_t) :: found
         integer :: i
 
-        measured%time%name = time_column
         do i = 1, size(table%names)
-            found = column_named(table%names(i)%text)
-            if (.not. is_time(found)) cycle
-            if (measured%time%place > 0) then
-                error = input_error('two columns of the table are the time: ' // trim(measured%time%name) // ' and ' // &
-                                    trim(found%name))
-                return
-            end if
-            measured%time = found
+            if (is_time(column_named(table%names(i)%text))) measured%time = column_named(table%names(i)%text)
         end do
         call table%read_column(trim(measured%time%name), measured%given_times, error)
         measured%t = measured%given_times * measured%time%size
     end subroutine read_times
-
-    !> The column of trajectories of that name; its place is 0 if there is none.
-    type(study_column_t) function column_named(name) result(found)
-        character(*), intent(in) :: name
-        character(:), allocatable :: problem, hint
-        call find_column(trajectory_columns, name, found, problem, hint)
-    end function column_named
-
-    !> Whether a column is the time, in some unit.
-    pure logical function is_time(column)
-        type(study_column_t), intent(in) :: column
-        is_time = column%place == place_of(trajectory_columns, time_column)
-    end function is_time
 
     !> Checks the times of the rows.
     subroutine check_times(path, key, scene, t, problems)
@@ -248,22 +229,21 @@ contains
     end subroutine check_times
 
     !> The measured columns: those named, or all but the time and standard deviations.
-    subroutine choose_columns(key, scene, table, columns, problems)
+    subroutine choose_columns(key, table, columns, problems)
         character(*), intent(in) :: key
-        type(fit_scene_t), intent(in) :: scene
-        type(table_t), intent(in) :: table
+        type(logger_table_t), intent(in) :: table
         type(study_column_t), allocatable, intent(out) :: columns(:)
         type(problems_t), intent(inout) :: problems
         integer :: i
 
         allocate (columns(0))
-        if (any(scene%columns /= '')) then
-            do i = 1, size(scene%columns)
-                if (scene%columns(i) == '') cycle
-                call add_column(trim(scene%columns(i)), 'fit.columns(' // to_text(i) // ')')
+        if (any([(table%wanted(i)%text /= '', i=1, size(table%wanted))])) then
+            do i = 1, size(table%wanted)
+                if (table%wanted(i)%text /= '') call add_column(table%wanted(i)%text, 'fit.columns(' // to_text(i) // ')')
             end do
         else
             do i = 1, size(table%names)
+                if (table%names(i)%text == '') cycle
                 if (is_time(column_named(table%names(i)%text)) .or. is_deviation(table%names(i)%text)) cycle
                 call add_column(table%names(i)%text, key)
             end do
@@ -281,7 +261,7 @@ contains
 
             call find_column(trajectory_columns, name, found, problem, hint)
             if (found%place == 0) then
-                if (hint == '') hint = '`spintop list columns` shows those of trajectories'
+                if (hint == '') hint = table%mapping
             else
                 if (found%group == proof_group .or. found%is(needs_exact + needs_work + needs_effects)) then
                     hint = 'errors, bounds and the work of effects are not measured'
@@ -362,7 +342,7 @@ contains
     subroutine find_deviations(key, scene, table, columns, measured, problems)
         character(*), intent(in) :: key
         type(fit_scene_t), intent(in) :: scene
-        type(table_t), intent(in) :: table
+        type(logger_table_t), intent(in) :: table
         type(study_column_t), intent(in) :: columns(:)
         type(measurements_t), intent(inout) :: measured
         type(problems_t), intent(inout) :: problems

@@ -39,6 +39,7 @@ module spintop_fit_study
     contains
         procedure :: check
         procedure :: run
+        procedure :: forecast
     end type fit_study_t
 
     !> The columns of the table of parameters, before those of the covariance.
@@ -192,6 +193,21 @@ contains
         call describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, seconds() - began, summary)
     end subroutine run
 
+    !> Adds what was understood of the tables of measurements.
+    subroutine forecast(self, job, options, summary)
+        class(fit_study_t), intent(in) :: self
+        type(job_t), target, intent(inout) :: job !! the job
+        type(options_t), intent(in) :: options !! options of the command line
+        type(summary_t), intent(inout) :: summary !! lines are added
+        integer :: i
+        do i = 1, size(self%measured)
+            associate (run => self%measured(i))
+                call summary%add('columns', run%label // run%notes(1)%text)
+                call summary%add('clock', run%label // run%notes(2)%text)
+            end associate
+        end do
+    end subroutine forecast
+
     !> Searches for the minimum, and from each place with a smaller sum of squares that a profile meets.
     subroutine find_minimum(wants_profile, model, search, minimum, estimate)
         logical, intent(in) :: wants_profile
@@ -253,7 +269,7 @@ contains
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
     subroutine describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, time, summary)
         type(fit_study_t), intent(in) :: self
-        type(job_t), intent(in) :: job
+        type(job_t), target, intent(inout) :: job
         type(search_t), intent(in) :: search
         type(fit_model_t), intent(in) :: model
         type(minimum_t), intent(in) :: minimum
@@ -272,6 +288,7 @@ contains
             text = text // ', ' // residual_path(job%files%table, i)
         end do
         call summary%headline(text)
+        call self%forecast(job, options_t(), summary)
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''

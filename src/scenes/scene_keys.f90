@@ -89,7 +89,7 @@ module spintop_scene_keys
         character(32) :: loss = ''
         logical :: profile = .true., windows = .true.
         integer :: searches = 12
-        real(dp) :: time_offset = unset, averaged = unset, mounting(3) = unset
+        real(dp) :: time_offset = unset, averaged = unset, mounting(3) = unset, lever_arm(3) = unset
         type(sensors_t) :: sensors
     contains
         procedure :: set_defaults
@@ -451,6 +451,8 @@ contains
         call table%add('fit.mounting', scene%mounting, 'rad', '', &
                        'rotation vector from body axes to those of the sensor of omega1 to omega3 and accelerometer1 to &
                        &accelerometer3 (0)')
+        call table%add('fit.lever_arm', scene%lever_arm, 'm', '', &
+                       'place of the accelerometers relative to the centre of mass, in body axes (0)')
         associate (sensors => scene%sensors)
             call table%add('sensor.column', sensors%column, what='measured column; one group for each sensor', &
                            elements=one_per_group)
@@ -480,6 +482,7 @@ contains
         if (.not. is_set(self%time_offset)) self%time_offset = 0
         if (.not. is_set(self%averaged)) self%averaged = 0
         where (.not. is_set(self%mounting)) self%mounting = 0
+        where (.not. is_set(self%lever_arm)) self%lever_arm = 0
         where (.not. is_set(self%sensors%offset)) self%sensors%offset = 0
         where (.not. is_set(self%sensors%scale)) self%sensors%scale = 1
     end subroutine set_defaults

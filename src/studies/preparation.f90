@@ -275,6 +275,7 @@ contains
         if (index(name, 'scale.') == 1) return
         call find_in_unit(name, table, key, unit, factor, hint)
         if (index(name, 'mounting(') == 1) call find_in_unit('fit.mounting', table, key, unit, factor, hint)
+        if (index(name, 'lever_arm(') == 1) call find_in_unit('fit.lever_arm', table, key, unit, factor, hint)
         if (table%find(base_of(key)) > 0) return
         associate (column => name(merge(len(offset), 0, index(name, offset) == 1) + 1:))
             call find_column(trajectory_columns, column, found, problem, hint)

@@ -136,6 +136,34 @@ def test_accelerometer_of_a_body_in_air(spin):
     assert read @ rows.loc[2, up].to_numpy() == pytest.approx(found[2], abs=1e-6)
 
 
+@each(
+    "effects",
+    "",
+    "&effects drag_force = 0.4, vibration_amplitude = 0, 0, 0.01, vibration_rate = 30 /\n",
+)
+def test_accelerometer_beside_the_centre_of_mass(spin, effects):
+    """Its place is found: readings differ by the acceleration of the body there."""
+    step, arm = 1e-3, np.array([0.02, -0.01, 0.03])
+    scene = (
+        "&top mass = 1.3, inertia = 0.9, 0.8, 0.6, length = 0.3 /\n"
+        "&initial theta = 0.6, omega = 0.5, 0.3, 9 /\n"
+        "&integration relative_tolerance = 1e-14 /\n" + effects
+    )
+    rates, readings = ([f"{name}{i}" for i in (1, 2, 3)] for name in ("omega", "accelerometer"))
+    span = "&span t_end = 2, samples = 2001 /\n"
+    rows = spin(scene + span + output("t", *rates, *readings)).rows
+    omega = rows[rates].to_numpy()
+    rate = (omega[:-4] - 8 * omega[1:-3] + 8 * omega[3:-1] - omega[4:]) / (12 * step)
+    omega = omega[2:-2]
+    rows = rows[2:-2].copy()
+    rows[readings] += np.cross(rate, arm) + np.cross(omega, np.cross(omega, arm))
+    fit = "&study kind = 'fit' /\n&fit data = 'data.csv', lever_arm = '15 mm', 0, 0\n"
+    fit += "    unknown = 'lever_arm(1)', 'lever_arm(2)', 'lever_arm(3)', profile = .false. /\n"
+    found = spin(scene + fit, data=rows[::20].to_csv(index=False), code=(0, 3)).rows
+    assert list(found.estimate) == pytest.approx(arm, abs=1e-7)
+    assert list(found.unit) == ["m"] * 3
+
+
 def test_law_of_a_spin_down(spin):
     """The example: dry friction, damping, drag and the start, within 3 standard errors."""
     rows = spin("spin_down").rows

@@ -162,7 +162,8 @@ contains
     !> Whether a name is that of a number of a sensor.
     pure logical function is_of_sensor(name)
         character(*), intent(in) :: name
-        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting(')] == 1)
+        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting('), &
+                            index(name, 'lever_arm(')] == 1)
     end function is_of_sensor
 
     !> The key of the input that contains a sought number: that of a group of a sensor has a short name.
@@ -203,6 +204,8 @@ contains
         found%unit = ''
         if (index(name, 'mounting(') == 1) then
             found%unit = 'rad'
+        else if (index(name, 'lever_arm(') == 1) then
+            found%unit = 'm'
         else if (name == 'offset.t') then
             found%unit = 's'
         else

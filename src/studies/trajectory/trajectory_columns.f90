@@ -6,11 +6,12 @@ module spintop_trajectory_columns
     use spintop_case, only: case_t
     use spintop_certificate, only: proof_count, proof_of_omega1, proof_of_omega3, proof_of_orientation, proof_of_phi, &
         proof_of_psi, proof_of_q0, proof_of_q1, proof_of_q2, proof_of_q3, proof_of_theta, proof_words
-    use spintop_kinds, only: dp, is_finite, is_zero
+    use spintop_kinds, only: cross, dp, is_finite, is_zero
     use spintop_conditioning, only: conditioning_t, prepare_conditioning
     use spintop_exact_motion, only: exact_motion_t, prepare_exact_motion
     use spintop_loads, only: work_damping, work_drag, work_friction, work_rotor, work_torque, work_vibration, works
     use spintop_motion, only: motion_t
+    use spintop_parameters, only: is_set
     use spintop_quantities, only: axial_momentum, axis_height_rate, axis_tip, euler_residuals, goryachev_integral, &
         kovalevskaya_integral, vertical_momentum, specific_force, energy_scale, kinetic_energy, potential_energy, &
         support_force
@@ -155,6 +156,8 @@ module spintop_trajectory_columns
         !> Whether the angles and their rates are enough for all columns; whether some columns are in other units than their own.
         logical, private :: needs_angles_only = .false., has_converted = .false.
         type(case_t), private :: case
+        !> Place of the accelerometers relative to the centre of mass, body axes, m.
+        real(dp), private :: lever_arm(3) = 0
         !> The motion of the body as it was given, and as it was computed.
         type(motion_t), private :: motion, computed
         !> Work of effects since the start by its parts, J.
@@ -288,8 +291,10 @@ contains
                 vector(1) = kovalevskaya_integral(body, now%motion)
             case (vector_goryachev)
                 vector(1) = goryachev_integral(body, now%motion)
-            case (vector_accelerometer) ! at the centre of mass, in body axes
-                vector(:3) = specific_force(body, now%motion)
+            case (vector_accelerometer) ! in body axes
+                associate (w => now%motion%omega, arm => now%lever_arm)
+                    vector(:3) = specific_force(body, now%motion) + cross(now%motion%omega_rate, arm) + cross(w, cross(w, arm))
+                end associate
             case (vector_work) ! the parts, and their sum
                 vector(:works) = now%work
                 vector(works + 1) = sum(now%work)
@@ -324,7 +329,9 @@ contains
             self%momentum_of_start = vertical_momentum(body, start)
             self%energy_scale = energy_scale(body, start)
         end associate
+        self%lever_arm = 0
         if (.not. present(scene)) return
+        where (is_set(scene%fit%lever_arm)) self%lever_arm = scene%fit%lever_arm
         call self%proof%open(wanted_proofs(columns%quantity(), scene%certified, ''), scene%certified, case%given_body, &
                              case%given_start, data_radii(scene))
     end subroutine set

@@ -9,14 +9,14 @@ module spintop_own_butcher_tables
     use spintop_files, only: beside_input, path_from, read_file
     use spintop_formulation, only: formulation_info_t
     use spintop_formulations, only: formulation_infos
-    use spintop_methods, only: create_stepper
+    use spintop_methods, only: create_stepper, method_infos
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: scene_t, table_prefix
     use spintop_stepper, only: method_info_t, stepper_t
     use spintop_text, only: to_text
     implicit none
     private
-    public :: read_tables, create_method, infos_of_tables, names_of_methods, path_of_table
+    public :: read_tables, create_method, infos_of_methods, infos_of_tables, names_of_methods, path_of_table
 
     !> The key of the method of a scene, which has no room for a formulation.
     character(*), parameter :: own_method = 'integration.method'
@@ -30,17 +30,26 @@ contains
         character(*), intent(in) :: input !! path of the input: those of tables are relative to it
         type(scene_t), intent(inout) :: scene !! its tables are set, and the names of their methods get checksums
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
-        integer :: i
 
         if (allocated(scene%tableaus)) deallocate (scene%tableaus)
         allocate (scene%tableaus(0))
         call read_one(own_method, scene%method)
         if (scene%method == '') scene%method = 'auto'
-        do i = 1, size(scene%precision_methods)
-            call read_one('work_precision.methods(' // to_text(i) // ')', scene%precision_methods(i))
-        end do
+        call read_list('work_precision.methods', scene%precision_methods)
+        call read_list('stability.methods', scene%stability_methods)
+        call read_list('benchmark.methods', scene%benchmark_methods)
 
     contains
+
+        !> Reads the tables among the methods of a list.
+        subroutine read_list(key, names)
+            character(*), intent(in) :: key
+            character(*), intent(inout) :: names(:)
+            integer :: i
+            do i = 1, size(names)
+                call read_one(key // '(' // to_text(i) // ')', names(i))
+            end do
+        end subroutine read_list
 
         !> Reads the table of a method, if it has one. The name becomes blank if there is a problem.
         subroutine read_one(key, name)
@@ -143,6 +152,13 @@ contains
         end if
         call create_stepper(trim(scene%method), stepper)
     end subroutine create_method
+
+    !> Names and properties of the methods that a scene may name: those of the registry, and of its tables.
+    function infos_of_methods(scene) result(infos)
+        type(scene_t), intent(in) :: scene !! with its tables
+        type(method_info_t), allocatable :: infos(:)
+        allocate (infos, source=[method_infos(), infos_of_tables(scene)])
+    end function infos_of_methods
 
     !> Names and properties of the methods of the tables of a scene.
     function infos_of_tables(scene) result(infos)

@@ -200,9 +200,10 @@ module spintop_scene_keys
         character(line) :: precision_reference = reference_names(reference_auto)
         ! &stability
         character(word) :: stability_cases(64) = ''
-        character(2 * word) :: stability_methods(64) = ''
+        character(3 * word) :: stability_methods(64) = ''
         ! &benchmark
         character(word) :: benchmark_cases(64) = ''
+        character(3 * word) :: benchmark_methods(64) = ''
         ! &fit
         type(fit_scene_t) :: fit
     end type scene_t
@@ -386,6 +387,8 @@ contains
         call table%add('stability.methods', scene%stability_methods, &
                        what='methods, by name or as method/formulation (all, some with several formulations)')
         call table%add('benchmark.cases', scene%benchmark_cases, what='benchmarks of the catalogue (all)')
+        call table%add('benchmark.methods', scene%benchmark_methods, &
+                       what='methods, by name or as method/formulation (the fastest of each family)')
     end subroutine describe_comparisons
 
     !> One row for each Euler angle, or its rate.

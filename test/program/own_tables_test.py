@@ -68,6 +68,26 @@ def test_orders(spin):
     assert re.search(r"'table:eighths\.txt@[0-9A-F]{8}'", run.head)
 
 
+@each(
+    "kind, words, number, case",
+    ("stability", "verdict", "orientation_error", "slow_top"),
+    ("benchmark", "setting", "error", "simo_wong"),
+)
+def test_a_table_beside_others(spin, kind, words, number, case):
+    """The table of rk4, by an override without quotes and with a path, gives what rk4 does."""
+    own = EIGHTHS.replace("1/3 |  1/3", "1/2 | 1/2").replace("2/3 | -1/3", "1/2 | 0 1/2")
+    own = re.sub(r"1/2  1$", "1/2", own, flags=re.M).replace("1 -1  1", "0 0 1")
+    spin.write(own.replace("1/8 3/8 3/8 1/8", "1/6 1/3 1/3 1/6"), "own.txt")
+    scene = f"&study kind = '{kind}' /\n&{kind} cases = '{case}' /\n"
+    ours, theirs = (
+        spin(scene, f"--set={kind}.methods={name}/rigid_body", name=f"by_{i}").rows
+        for i, name in enumerate((f"table:{spin.folder}/own.txt", "rk4"))
+    )
+    assert list(ours.method) == ["table:own"] * len(theirs)
+    assert list(ours[words]) == list(theirs[words])
+    assert list(ours[number]) == pytest.approx(list(theirs[number]), rel=1e-3)
+
+
 def test_a_sweep_and_a_changed_table(spin):
     spin.write(EIGHTHS, "own.txt")
     text = TOP + "&study kind = 'sweep' /\n&output columns = 'theta_end' /\n"

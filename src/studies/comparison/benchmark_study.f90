@@ -13,10 +13,10 @@ module spintop_benchmark_study
         make_scene_of_settings, problem_t
     use spintop_errors, only: error_t, internal_error
     use spintop_job, only: job_t
-    use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t
     use spintop_row_block, only: text_buffer_t
     use spintop_trajectory_columns, only: row_maker_t, trajectory_columns
+    use spintop_own_butcher_tables, only: infos_of_methods, names_of_methods
     use spintop_planning, only: plan_t
     use spintop_problems, only: problems_t
     use spintop_trial, only: find_reference, reference_t, time_trial
@@ -268,7 +268,7 @@ module spintop_benchmark_study
         procedure :: judge
     end type benchmark_study_t
 
-    !> The methods that are tried: the fastest of each family.
+    !> The methods that are tried unless the input names others: the fastest of each family.
     character(*), parameter :: tried_methods(*) = [character(12) :: 'taylor', 'dop853', 'ode45', 'splitting_4', 'splitting_8', &
         'gauss_8', 'rk4']
     !> Tolerances of adaptive methods are powers of ten down to this one; the others take 25, 50, ... equal steps.
@@ -301,11 +301,12 @@ module spintop_benchmark_study
 
 contains
 
-    !> Finds the benchmarks.
+    !> Finds the benchmarks and the methods.
     subroutine check(self, job, problems)
         class(benchmark_study_t), intent(inout) :: self
         type(job_t), target, intent(inout) :: job !! the job; completed by this procedure
         type(problems_t), intent(inout) :: problems !! problems of the scene are added
+        character(len(job%input%scene%benchmark_methods)), allocatable :: methods(:)
         integer :: i
 
         associate (names => job%input%scene%benchmark_cases)
@@ -313,7 +314,11 @@ contains
             if (all(names == '')) self%places = [(i, i=1, size(benchmarks))]
         end associate
         allocate (self%choices(0))
-        call add_methods('', tried_methods, method_infos(), ['auto'], self%choices, problems)
+        associate (scene => job%input%scene)
+            methods = names_of_methods(scene, scene%benchmark_methods)
+            if (all(methods == '')) methods = tried_methods
+            call add_methods('benchmark.methods', methods, infos_of_methods(scene), ['auto'], self%choices, problems)
+        end associate
         self%count = size(self%places)
         call self%count_attempts()
         self%phrase = 'the figures of ' // to_text(self%count) // ' published benchmarks'
@@ -356,6 +361,7 @@ contains
         problem%name = trim(benchmark%name)
         call make_scene_of_settings(benchmark%settings, problem%scene, error)
         if (allocated(error)) return
+        problem%scene%tableaus = job%input%scene%tableaus
         problem%scene%samples = 2
         self%wanted = pack(figures, figures%benchmark == benchmark%name)
         call make_case(problem%scene, problem%case, problems)

@@ -14,8 +14,8 @@ module spintop_stability_study
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
     use spintop_lyapunov, only: find_lyapunov
-    use spintop_methods, only: method_infos
     use spintop_motion, only: motion_t, motion_from_quaternion
+    use spintop_own_butcher_tables, only: infos_of_methods, names_of_methods
     use spintop_parameters, only: is_set, unset_integer
     use spintop_planning, only: plan_t
     use spintop_problems, only: problems_t
@@ -262,8 +262,9 @@ contains
         if (is_set(scene%relative_tolerance)) self%tolerance = scene%relative_tolerance
         if (allocated(self%choices)) deallocate (self%choices)
         allocate (self%choices(0))
-        allocate (methods, source=method_infos())
-        call add_methods('stability.methods', scene%stability_methods, methods, ['auto'], self%choices, problems)
+        allocate (methods, source=infos_of_methods(scene))
+        call add_methods('stability.methods', names_of_methods(scene, scene%stability_methods), methods, ['auto'], &
+                         self%choices, problems)
         if (any(scene%stability_methods /= '')) return
         ! Every method with the formulation that suits the body, some also with others.
         do i = 1, size(methods)
@@ -276,7 +277,7 @@ contains
         end do
     end subroutine choose
 
-    !> The scene of a case: of the catalogue, with the tolerances of the input, or (0) the input itself.
+    !> The scene of a case: of the catalogue, with the tolerances and tables of the input, or (0) the input itself.
     subroutine scene_of(self, input, place, scene, error)
         class(stability_study_t), intent(in) :: self
         type(scene_t), intent(in) :: input !! the scene of the input
@@ -286,6 +287,7 @@ contains
         if (place > 0) then
             call make_scene_of_settings(settings_of(hard_cases(place)), scene, error)
             scene%absolute_tolerance = input%absolute_tolerance
+            if (allocated(input%tableaus)) scene%tableaus = input%tableaus
         else
             scene = input
             if (scene%steps == unset_integer) scene%steps = default_steps

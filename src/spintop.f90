@@ -12,9 +12,10 @@ module spintop
     use spintop_status, only: status_ok, is_good_end, status_name, status_meaning, status_names, status_pole, &
         status_non_finite, status_step_limit, status_not_converged, status_step_too_small, &
         status_turning_point, status_outside, status_unsuitable, status_integrator, status_bad_input, &
-        status_bad_body, status_bad_start, status_bad_controls, status_bad_span, status_bad_samples, &
+        status_bad_body, status_bad_start, status_bad_tolerance, status_bad_span, status_bad_samples, &
         status_bad_events, status_bad_projection, status_no_steps, status_no_structure, &
-        status_stuck_at_turn, status_unknown_name, status_too_many_events, status_at_rest
+        status_stuck_at_turn, status_unknown_name, status_too_many_events, status_at_rest, &
+        status_bad_steps, status_no_fixed_steps, status_bad_table
     use spintop_validity, only: body_status, start_status
     use spintop_body, only: body_t
     use spintop_effects, only: effects_t
@@ -35,7 +36,10 @@ module spintop
     use spintop_formulation, only: formulation_t, formulation_info_t, max_states
     use spintop_formulations, only: formulation_infos, create_formulation
     use spintop_stepper, only: stepper_t, method_info_t, controls_t, counts_t
-    use spintop_methods, only: can_run, create_stepper, method_infos
+    use spintop_fixed_step, only: fixed_step_t
+    use spintop_runge_kutta, only: runge_kutta_t, explicit_table
+    use spintop_arkode, only: tableau_t, parse_tableau, create_tableau_stepper
+    use spintop_methods, only: can_run, create_stepper, method_infos, register_method
     use spintop_events, only: event_t, event_search_t, path_t
     use spintop_integration, only: integrate, observer_t, outcome_t
     use spintop_taylor_lanes, only: integrate_many

@@ -7,30 +7,32 @@ module spintop_status
     public :: status_name, status_number, status_meaning, status_names, status_meanings
     public :: status_ok, status_pole, status_non_finite, status_step_limit, status_not_converged
     public :: status_step_too_small, status_turning_point, status_outside, status_unsuitable
-    public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_controls
+    public :: status_integrator, status_bad_input, status_bad_body, status_bad_start, status_bad_tolerance
     public :: status_bad_span, status_bad_samples, status_bad_events, status_bad_projection
     public :: status_no_steps, status_no_structure, status_stuck_at_turn, status_unknown_name, status_too_many_events
-    public :: status_at_rest, last_status, is_good_end, is_ok, is_refusal, code_of, count_failed
+    public :: status_at_rest, status_bad_steps, status_no_fixed_steps, status_bad_table
+    public :: last_status, is_good_end, is_ok, is_refusal, code_of, count_failed
 
-    !> Outcomes of a computation, of which `status_meaning` gives a sentence for each; from `status_bad_body` on reasons for
+    !> Outcomes of a computation, of which `status_meaning` gives a sentence for each; `is_refusal` tells those for
     !> which a call is refused before the computation. A body that dry friction holds has a good end: `status_at_rest`.
     enum, bind(C)
         enumerator :: status_ok = 0, status_pole, status_non_finite, status_step_limit, status_not_converged
         enumerator :: status_step_too_small, status_turning_point, status_outside, status_unsuitable, status_integrator
-        enumerator :: status_bad_input, status_bad_body, status_bad_start, status_bad_controls, status_bad_span
+        enumerator :: status_bad_input, status_bad_body, status_bad_start, status_bad_tolerance, status_bad_span
         enumerator :: status_bad_samples, status_bad_events, status_bad_projection, status_no_steps, status_no_structure
         enumerator :: status_stuck_at_turn, status_unknown_name, status_too_many_events, status_at_rest
+        enumerator :: status_bad_steps, status_no_fixed_steps, status_bad_table
     end enum
     !> The last of them.
-    integer, parameter :: last_status = status_at_rest
+    integer, parameter :: last_status = status_bad_table
 
     !> Names in tables, and a sentence for each. Threads use these constants: gfortran keeps the length of the
     !> result of a function of deferred length in memory that all threads share.
     character(*), parameter :: status_names(0:last_status) = [character(16) :: &
         'ok', 'pole', 'non_finite', 'step_limit', 'not_converged', 'step_too_small', &
         'turning_point', 'outside', 'unsuitable', 'integrator', 'bad_input', 'bad_body', 'bad_start', &
-        'bad_controls', 'bad_span', 'bad_samples', 'bad_events', 'bad_projection', 'no_steps', &
-        'no_structure', 'stuck_at_turn', 'unknown_name', 'too_many_events', 'at_rest']
+        'bad_tolerance', 'bad_span', 'bad_samples', 'bad_events', 'bad_projection', 'no_steps', &
+        'no_structure', 'stuck_at_turn', 'unknown_name', 'too_many_events', 'at_rest', 'bad_steps', 'no_fixed_steps', 'bad_table']
 
     character(*), parameter :: status_meanings(0:last_status) = [character(112) :: &
         'completed', &
@@ -46,17 +48,20 @@ module spintop_status
         'the arguments, or the parameters of the case, do not describe a top and its motion', &
         'the mass is not positive, a moment of inertia or a damping coefficient is negative, or m g l underflows', &
         'the quaternion is zero or contradicts the angles, the rates contradict omega, or I omega^2 underflows', &
-        'a tolerance, steps, max_steps, the projection or the Butcher table is not valid for the method', &
+        'a tolerance is not a positive number, or is below the finest one of the method', &
         'the end of the span is not a finite time at or after the start', &
         'a sample time is not finite, not in increasing order within the span, or not the time of a fixed step', &
         'an event has a level that is not finite, or no direction', &
         'the formulation lacks, or the damped body does not conserve, the invariants to project on', &
-        'a method with a fixed step size needs a number of steps', &
+        'a method without step control (info%adaptive) needs a number of steps', &
         'the method needs a structure that the formulation does not offer', &
         'this method cannot leave a turning point of theta where theta_rate is reset from the energy', &
         'the name is unknown', &
         'there are more events than can be counted or kept', &
-        'dry friction holds the body at rest']
+        'dry friction holds the body at rest', &
+        'the number of steps is negative, or max_steps is not positive', &
+        'steps are given, and the method has none of fixed size (info%fixed_step)', &
+        'the method takes no Butcher table by name, or has none of this name']
 
 contains
 
@@ -77,7 +82,7 @@ contains
     !> Whether this status refuses a computation before it begins.
     elemental logical function is_refusal(status)
         integer, intent(in) :: status !! number of a status
-        is_refusal = status >= status_bad_input .and. status <= status_unknown_name
+        is_refusal = (status >= status_bad_input .and. status <= status_unknown_name) .or. status >= status_bad_steps
     end function is_refusal
 
     !> The exit code of a run of one motion.

@@ -6,6 +6,7 @@
 module spintop_methods
     use spintop_arkode, only: arkode_t, arkode_table, arkode_table_t
     use spintop_body, only: body_t
+    use spintop_errors, only: error_t, input_error
     use spintop_formulation, only: formulation_info_t, formulation_t, structure_group, structure_none, structure_quadruple, &
         structure_split
     use spintop_geometric, only: commutator_free_t, munthe_kaas_t, splitting_t, splitting_table
@@ -14,14 +15,15 @@ module spintop_methods
     use spintop_motion, only: motion_t
     use spintop_runge_kutta, only: classical_table, dop853_t, dop853_table, dormand_prince_table, explicit_table, ode45_t, &
         runge_kutta_t
-    use spintop_status, only: is_ok, status_bad_controls, status_bad_projection, status_bad_samples, status_bad_span, &
-        status_no_steps, status_no_structure, status_ok, status_stuck_at_turn, status_unknown_name, status_unsuitable
+    use spintop_status, only: is_ok, status_bad_projection, status_bad_samples, status_bad_span, status_bad_steps, &
+        status_bad_table, status_bad_tolerance, status_no_fixed_steps, status_no_steps, status_no_structure, status_ok, &
+        status_stuck_at_turn, status_unknown_name, status_unsuitable
     use spintop_stepper, only: controls_t, method_info_t, project_invariants, project_nothing, project_unit, stepper_t
     use spintop_taylor, only: taylor_info, taylor_t, taylor_quadruple_t
     use spintop_validity, only: body_status, start_status
     implicit none
     private
-    public :: method_infos, create_stepper, exact_info, method_aliases
+    public :: method_infos, create_stepper, register_method, exact_info, method_aliases
     public :: can_run, holds_for, has_structure, passes_turns, projection_status, controls_status, call_status
 
     !> The exact solution, which has no steps, as an entry in the list of methods.
@@ -159,6 +161,35 @@ contains
         self%entry(self%size)%prototype%info%family = self%family
     end subroutine add
 
+    !> Adds a method of your own, which inputs may then name as any other. Call it before anything runs in threads.
+    subroutine register_method(prototype, error)
+        class(stepper_t), intent(in) :: prototype !! the method with its properties `info` and default settings
+        type(error_t), allocatable, intent(out) :: error !! why it cannot be added; not allocated on success
+        character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz', others = '0123456789_'
+        type(registry_t), pointer :: known
+        character(:), allocatable :: name
+        integer :: i
+
+        known => known_methods()
+        name = trim(prototype%info%name)
+        associate (info => prototype%info)
+            if (verify(info%name(1:1), letters) > 0 .or. verify(name, letters // others) > 0) then
+                error = input_error("'" // name // "' is no name of a method: info%name begins with a letter, and has small &
+                                    &letters, digits and _")
+            else if (any([(known%entry(i)%prototype%info%name == name, i=1, known%size)]) .or. name == exact_info%name .or. &
+                     name == 'auto') then
+                error = input_error('there is a method ' // name // ' already: info%name is another name')
+            else if (.not. (info%fixed_step .or. info%adaptive)) then
+                error = input_error('method ' // name // ' has neither info%fixed_step nor info%adaptive: set what it has')
+            else if (known%size == most) then
+                error = input_error('there is no room for another method')
+            else
+                known%family = 'own'
+                call known%add(prototype)
+            end if
+        end associate
+    end subroutine register_method
+
     !> Names and properties of all methods.
     function method_infos() result(infos)
         type(method_info_t), allocatable :: infos(:)
@@ -195,7 +226,7 @@ contains
     !> * `status_no_structure`: the method needs more of them than y' = f(t, y), and they do not offer it;
     !> * `status_stuck_at_turn`: the method would be caught at the first turning point of theta;
     !> * `status_bad_projection`: there is nothing to project on;
-    !> * `status_no_steps`, `status_bad_controls`: the settings of the method are not valid.
+    !> * a status of the settings of the method, such as `status_no_steps`.
     integer function can_run(stepper, formulation, body) result(status)
         class(stepper_t), intent(in) :: stepper !! the method with its settings
         class(formulation_t), intent(in) :: formulation !! the equations of motion, prepared for body and start
@@ -268,28 +299,28 @@ contains
         status = merge(status_ok, status_bad_projection, possible)
     end function projection_status
 
-    !> `status_ok`, or the status of settings that are not valid for a method: `status_no_steps` or
-    !> `status_bad_controls`.
+    !> `status_ok`, or the status of settings that are not valid for a method.
     pure integer function controls_status(method, controls) result(status)
         type(method_info_t), intent(in) :: method !! properties of the method
         type(controls_t), intent(in) :: controls !! settings of the method
         type(arkode_table_t) :: table
-        logical :: valid
+        status = status_ok
         associate (relative => controls%relative_tolerance, absolute => controls%absolute_tolerance)
-            valid = relative > 0 .and. relative <= huge(relative) .and. absolute > 0 .and. absolute <= huge(absolute) &
-                .and. controls%steps >= 0 .and. controls%max_steps > 0
-            if (controls%steps > 0) then
-                valid = valid .and. method%fixed_step
-            else if (method%adaptive) then
-                valid = valid .and. relative >= method%finest_tolerance
+            if (.not. (relative > 0 .and. relative <= huge(relative) .and. absolute > 0 .and. absolute <= huge(absolute))) then
+                status = status_bad_tolerance
+            else if (controls%steps < 0 .or. controls%max_steps <= 0) then
+                status = status_bad_steps
+            else if (controls%steps > 0 .and. .not. method%fixed_step) then
+                status = status_no_fixed_steps
+            else if (controls%steps == 0 .and. .not. method%adaptive) then
+                status = status_no_steps
+            else if (controls%steps == 0 .and. relative < method%finest_tolerance) then
+                status = status_bad_tolerance
             end if
         end associate
-        if (valid .and. len_trim(controls%table) > 0) then
-            table = arkode_table(controls%table, method%implicit)
-            valid = method%takes_table .and. table%stages > 0
-        end if
-        status = merge(status_ok, status_bad_controls, valid)
-        if (valid .and. controls%steps == 0 .and. .not. method%adaptive) status = status_no_steps
+        if (.not. is_ok(status) .or. controls%table == '') return
+        table = arkode_table(controls%table, method%implicit)
+        if (.not. method%takes_table .or. table%stages == 0) status = status_bad_table
     end function controls_status
 
     !> Status of a call of `integrate`: that of `can_run`, and of the body, the start, the end of the span and

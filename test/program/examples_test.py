@@ -288,6 +288,15 @@ def test_of_methods(spin, example):
     assert found == expected
 
 
+def test_of_own_method(example):
+    """Each converges with its order."""
+    found = re.findall(r"(\w+), steps (\d+): +(\S+) rad", example("own_method"))
+    errors = {(name, steps): float(error) for name, steps, error in found}
+    for name, order in (("heun", 2), ("heun_3", 3), ("ralston", 2)):
+        slope = math.log2(errors[name, "400"] / errors[name, "800"])
+        assert slope == pytest.approx(order, abs=0.1), name
+
+
 def test_of_sweep(rows_of, nutations):
     unit = math.sqrt(4 * MGL / INERTIA[2])
     rows = rows_of("sweep", 4)

@@ -26,8 +26,10 @@ FORTRAN = """\
 cmake_minimum_required(VERSION 3.16)
 project(example Fortran C CXX)
 find_package(spintop 0.1 REQUIRED)
-add_executable(by_module top.f90)
-target_link_libraries(by_module PRIVATE spintop::fortran)
+foreach(name exact_motion own_method)
+    add_executable(${name} ${name}.f90)
+    target_link_libraries(${name} PRIVATE spintop::fortran)
+endforeach()
 add_executable(example example.c)
 target_link_libraries(example PRIVATE spintop::spintop)
 """
@@ -156,15 +158,17 @@ class InstallTest(unittest.TestCase):
         project.mkdir()
         (project / "CMakeLists.txt").write_text(FORTRAN, "utf-8")
         shutil.copy(self.source, project)
-        shutil.copy(ROOT / "example/exact_motion.f90", project / "top.f90")
+        for name in ("exact_motion", "own_method"):
+            shutil.copy(ROOT / f"example/{name}.f90", project)
         build = project / "build"
         self.call("cmake", "-S", project, "-B", build, f"-DCMAKE_PREFIX_PATH={self.prefix}")
         self.call("cmake", "--build", build)
         self.check_example(build / "example")
-        lines = self.call(build / "by_module").splitlines()
+        lines = self.call(build / "exact_motion").splitlines()
         self.assertEqual(len(lines), 3)
         for line in lines:
             self.assertRegex(line, r"^t = +\d\.\d s: phi, theta, psi =( +\d\.\d{8}){3}$")
+        self.assertRegex(self.call(build / "own_method"), r"(\w+, steps \d+: +\S+ rad\n){6}")
 
     def test_usage(self) -> None:
         for arguments in ((), ("--wrong",), ("a", "b")):

@@ -17,7 +17,8 @@ module spintop_assignment
     private
     public :: reader_t, assignment_t, names_a_unit
 
-    character(*), parameter :: quotes_hint = 'a number with its unit is in quotes, as ''20 deg'''
+    character(*), parameter :: quotes_hint = 'a number with its unit is in quotes, as ''20 deg''', &
+        point_hint = 'decimals follow a point, as in 25.5'
 
     !> The elements that an assignment names, and its state.
     type :: assignment_t
@@ -189,6 +190,7 @@ contains
             if (now%count <= room .or. parameter%faulty) return
             hint = 'it takes ' // to_text(room) // ' values'
             if (room == 1) hint = 'it takes one value'
+            if (now%rank == 0 .and. parameter%kind == kind_real) hint = hint // '; ' // point_hint
             if (room == 1 .and. now%rank > 0) hint = hint // '; several: ' &
                 // parameter%key // ' = ..., or ' // example(parameter%key, now%rank)
             if (token%touches .and. parameter%kind == kind_text) then
@@ -251,6 +253,7 @@ contains
                 case (kind_real)
                     call read_real(text, number, problem, hint)
                     if (has_unit(text)) hint = quotes_hint
+                    if (index(text, ',') > 0) hint = point_hint
                 case (kind_integer)
                     call read_integer(text, whole_number, problem, hint)
                     number = whole_number
@@ -482,7 +485,7 @@ contains
         if (problem /= '') return
         if (verify(text(last + 1:), ', ') > 0 .and. scan(text(last + 1:), ',') == 1) then
             problem = 'a comma in the number ' // quoted(abbreviate(text))
-            hint = 'decimals follow a point, as in 25.5'
+            hint = point_hint
             return
         end if
         if (parameter%unit_of /= '') then

@@ -286,6 +286,9 @@ def test_refusals(spin, old, new, message):
 )
 def test_bad_measurements(spin, data, message):
     assert message in spin.refuse(TOP + FIT, data=data)
+    # What is sought of a sensor is no second error.
+    with_sensor = FIT.replace("unknown =", "unknown = 'offset.theta',")
+    assert spin.refuse(TOP + with_sensor, data=data).count("error:") == 1
 
 
 CLOCK = 123.456

@@ -143,7 +143,7 @@ contains
         unknowns%common = common
         n = common + runs * (size(keys) - common)
         allocate (unknowns%places(size(keys), runs), unknowns%key(n), unknowns%names(n), unknowns%start(n))
-        starts = fit%start_each(pack([(i, i=1, size(fit%unknown_each))], fit%unknown_each /= ''), :)
+        allocate (starts, source=fit%start_each(pack([(i, i=1, size(fit%unknown_each))], fit%unknown_each /= ''), :))
         do run = 1, runs
             do k = 1, size(keys)
                 i = k

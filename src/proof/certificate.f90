@@ -51,7 +51,7 @@ module spintop_certificate
 
     !> What is said where bounds are asked for in a build without FLINT.
     character(*), parameter :: balls_missing = 'this build has no FLINT, which certifies digits'
-    character(*), parameter :: balls_hint = 'SPINTOP_FLINT=1 scripts/run ... makes a build with FLINT'
+    character(*), parameter :: balls_hint = 'SPINTOP_FLINT=1 scripts/setup installs it, and the next scripts/run builds with it'
 
     !> Numbers that describe a motion in balls.h; how many of them may have radii: the first.
     integer, parameter :: data_count = 65, radius_count = 27

@@ -165,7 +165,8 @@ contains
         end if
         if (job%input%scene%format /= 'netcdf') return
         if (.not. has_netcdf) then
-            call problems%add(key, 'this build has no NetCDF', 'SPINTOP_NETCDF=1 scripts/run ... makes a build with NetCDF')
+            call problems%add(key, 'this build has no NetCDF', &
+                              'SPINTOP_NETCDF=1 scripts/setup installs it, and the next scripts/run builds with it')
         else if (.not. info%has_netcdf) then
             call problems%add(key, 'the table of ' // info%phrase // ' cannot be NetCDF', hint)
         else if (job%keeps_rows() .and. job%axes%cases > most_netcdf_rows) then

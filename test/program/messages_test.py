@@ -58,6 +58,7 @@ HINTS = {
         ("output.columns=t,q0_deg", "a number without a unit is wanted"),
         ("output.columns=t,theta_deg,theta_deg", "column 'theta_deg' is named twice"),
         ("initial.theta=20 rpm", "rpm is no unit of a quantity in rad", UNITS),
+        ("top.mass=25,5 g", "not a number: 25,5 g", "decimals follow a point"),
         ("initial.theta=20 dge", "'dge' is not a unit", UNITS),
         ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad", UNITS),
         # Keys and columns that are elsewhere, or need something.
@@ -93,6 +94,9 @@ HINTS = {
     GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],
+    GOOD.replace("mass = 1.0", "mass = 25,5"): [
+        ("", "too many values for mass", "it takes one value; decimals follow a point")
+    ],
     GOOD.replace("mass = 1.0", "mass = '25,5 g'"): [
         ("", "a comma in the number '25,5 g'", "decimals follow a point")
     ],
@@ -314,7 +318,7 @@ def test_a_build_without_flint(spin):
     """A build without FLINT names what is missing, and computes everything else."""
     error = spin.refuse(CLOSED, "--check", "output.columns=t,theta,theta_bound")
     assert f"column 'theta_bound': {MISSING}" in error
-    assert "SPINTOP_FLINT=1 scripts/run" in error
+    assert "SPINTOP_FLINT=1 scripts/setup" in error
     assert MISSING in spin.refuse(CLOSED, "--check", "output.certified=.true.")
     spin(CLOSED)
     assert MISSING in spin.call("verify", "output/scene.csv", code=2).stderr

@@ -14,15 +14,15 @@ module spintop_nutation
     private
     public :: nutation_t, find_nutation, describe_nutation, is_defined, whole_half_turns, class_name, class_names, class_meanings
     public :: class_loop, class_cusp, class_wave, class_steady, class_sleeping, class_hanging
-    public :: class_separatrix, class_libration, class_circulation, last_class
+    public :: class_separatrix, class_libration, class_circulation, class_upright, last_class
 
     !> Classes of motion. `class_meanings` has a phrase for each.
     integer, parameter :: class_loop = 1, class_cusp = 2, class_wave = 3, class_steady = 4, class_sleeping = 5, class_hanging = 6, &
-        class_separatrix = 7, class_libration = 8, class_circulation = 9, last_class = 9
+        class_separatrix = 7, class_libration = 8, class_circulation = 9, class_upright = 10, last_class = 10
 
     !> Names of the classes in tables.
     character(*), parameter :: class_names(last_class) = [character(16) :: 'loop', 'cusp', 'wave', &
-        'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation']
+        'steady', 'sleeping', 'hanging', 'separatrix', 'libration', 'circulation', 'upright']
 
     !> A phrase that explains each.
     character(*), parameter :: class_meanings(last_class) = [character(80) :: &
@@ -30,11 +30,12 @@ module spintop_nutation
         'the precession comes to rest at the upper turning angle', &
         'the precession keeps its direction', &
         'steady precession: the inclination is constant', &
-        'the axis rests upright', &
+        'the axis rests upright, and is stable there', &
         'the axis rests hanging', &
         'separatrix: the axis approaches the upright asymptotically', &
         'plane pendulum, oscillating', &
-        'plane pendulum, rotating over the top']
+        'plane pendulum, rotating over the top', &
+        'the axis rests upright, below the threshold of a sleeping top, and is unstable']
 
     !> The complete quantities of a motion, SI units and radians.
     type :: nutation_t
@@ -192,7 +193,8 @@ contains
 
         if (points%regime == regime_resting) then
             class = class_steady
-            if (points%one_minus_u < 1 .and. .not. points%sine_squared > 0) class = class_sleeping
+            if (points%one_minus_u < 1 .and. .not. points%sine_squared > 0) class = merge(class_sleeping, class_upright, &
+                                                                                          points%a**2 >= 2 * points%beta)
             if (points%one_minus_u > 1 .and. .not. points%sine_squared > 0) class = class_hanging
         else if (is_separatrix(points)) then
             class = class_separatrix

@@ -17,7 +17,7 @@ ERRORS = {"log_over": 10, "floor": 1e-15}
 """Errors are compared by ratios, and 1e-15 is the rounding error of an angle or a relative one."""
 
 CLASSES = (
-    *("loop", "cusp", "wave", "steady", "sleeping", "hanging"),
+    *("loop", "cusp", "wave", "steady", "sleeping", "upright", "hanging"),
     *("separatrix", "libration", "circulation"),
 )
 """Classes of motion in the order in which they are drawn; others come after them."""

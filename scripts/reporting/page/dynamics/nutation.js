@@ -58,7 +58,7 @@ export function describeNutation(body, { angle: [, theta], omega: [w1, w2, omega
   // beta (u3 - u2) and beta (u3 - u1), by the sum of the roots
   const toSecond = motionClass === "separatrix" ? 0 : Math.max(0, -cubic[2] - beta * (y1 + 2 * y2));
   const toFirst = Math.max(0, -cubic[2] - beta * (2 * y1 + y2));
-  const isConstant = ["steady", "sleeping", "hanging"].includes(motionClass);
+  const isConstant = ["steady", "sleeping", "upright", "hanging"].includes(motionClass);
   const inclination = (y) => 2 * Math.atan2(Math.sqrt(Math.max(0, above - y)), Math.sqrt(Math.max(0, below + y)));
   const frequency = meanOf(Math.sqrt(toFirst), Math.sqrt(toSecond));
   // A pendulum swings to both sides in two periods of its inclination.
@@ -83,7 +83,7 @@ function isRounding(difference, ...terms) {
 function classOf({ beta, a, swing, turn, u, sine, y1, y2, above, below }, size) {
   const [missTop, missBottom] = [turn - a * above, turn + a * below]; // b - a and b + a
   const reachesTop = isRounding(missTop, turn, a * above);
-  if (sine === 0 && swing === 0) return u > 0 ? "sleeping" : "hanging";
+  if (sine === 0 && swing === 0) return u < 0 ? "hanging" : a ** 2 < 2 * beta ? "upright" : "sleeping";
   const excess = swing + beta * (u - 1); // alpha - beta: of the energy over that at the top
   if (reachesTop && a ** 2 < 2 * beta && isRounding(excess, size)) return "separatrix";
   if (turn === 0 && a === 0) return excess > 0 ? "circulation" : beta > 0 ? "libration" : "steady";

@@ -13,7 +13,7 @@ export function classOf(track) {
   const name = say(`class_${kind}`);
   const meaning = say(`meaning_${kind}`, { stop: inShort(track.motion.stop) });
   const isUpright = threshold > 0 && start.angle[1] <= UPRIGHT && start.omega[2] !== 0;
-  if (!nutation || !isUpright || ["sleeping", "separatrix"].includes(kind)) return { name, meaning };
+  if (!nutation || !isUpright || ["sleeping", "upright", "separatrix"].includes(kind)) return { name, meaning };
   return sleepRatio(track) > 1
     ? { name: say("class_sleeping"), meaning: say("almost_sleeping", { tips: say(`small_${kind}`) }) }
     : { name: say("class_falling"), meaning: say("almost_falling", { meaning }) };

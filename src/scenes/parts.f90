@@ -83,7 +83,11 @@ contains
             inertia = inertia + (moments + own_mass * (solid%across + (solid%along - solid%across) * axis**2))
             products = products + (others + own_mass * (solid%along - solid%across) * cshift(axis, 1) * cshift(axis, 2))
         end do
-        if (.not. problems%any()) centre = centre / mass
+        if (problems%any()) return
+        centre = centre / mass
+        if (any(is_set(parts%place)) .or. any(abs(centre) > 0)) return
+        call problems%warn('part', 'no part has a place: the centre of mass is at the pivot, and its weight has no moment', &
+                           'give place, as place = 0, 0, 0 for this')
     end subroutine sum_parts
 
     !> Whether anything of a part is given.

@@ -72,6 +72,14 @@ def test_messages(spin, old, new, said):
     assert re.search(r"scene\.nml:\d+:\d+: error: ", error)
 
 
+def test_no_part_has_a_place(spin):
+    """A weight without a moment: perhaps a mistake, but not where the place is given."""
+    start = "&initial theta = 1  omega3 = 9 /\n&span t_end = 1 /\n"
+    placed = PART.format("0, 0, 0", "0, 0, 1") + start
+    assert "no part has a place" in spin(placed.replace("place = 0, 0, 0", "")).err
+    assert spin(placed).err == ""
+
+
 # A top of point masses: the motion follows from them alone, without axes of inertia.
 
 MASSES = np.array([0.3, 0.3, 0.3, 0.1])

@@ -460,7 +460,7 @@ contains
 
         associate (source => self%sources(self%clock))
             if (is_date(source%cell)) then
-                cells = self%words(source%column)
+                allocate (cells, source=self%words(source%column))
                 allocate (values(size(cells)))
                 do i = 1, size(cells)
                     call read_date(cells(i)%text, day_of_row, values(i))

@@ -181,7 +181,7 @@ contains
             varies = 'a work-precision study varies the '
         integer :: i
 
-        own = infos_of_tables(scene)
+        allocate (own, source=infos_of_tables(scene))
         allocate (known, source=[exact_info, method_infos(), own])
         if (allocated(self%remarks)) deallocate (self%remarks)
         do i = 1, size(own)

@@ -329,7 +329,7 @@ contains
         real(dp), allocatable :: own(:)
         integer :: i
 
-        own = x(self%sought%places(:, run))
+        allocate (own, source=x(self%sought%places(:, run)))
         do i = 1, 2
             associate (known => self%motions(run)%known(i))
                 if (.not. allocated(known%x)) cycle

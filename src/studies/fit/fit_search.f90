@@ -403,8 +403,8 @@ contains
         associate (measured => model%measured(run), start => model%sought%start)
             rows = min(max(first_rows(model, run), least_rows), size(measured%t))
             call model%predict(start, run, rows, readings, is_predicted)
-            differences = measured%differences(readings)
-            t = measured%t
+            allocate (differences, source=measured%differences(readings))
+            allocate (t, source=measured%t)
             measured%t = t(1) + most_periods * model%period(run) / instants * [(i, i=1, instants)]
             call model%predict(start, run, instants, in_periods, is_valid)
             measured%t = t

@@ -455,7 +455,7 @@ contains
 
         associate (measured => model%measured(run))
             call model%predict(x, run, size(measured%t), values, is_valid)
-            differences = measured%differences(values)
+            allocate (differences, source=measured%differences(values))
             allocate (columns(1 + 3 * size(measured%columns)), cells(1 + 3 * size(measured%columns)))
             columns(1) = column_t(measured%time%name, measured%time%unit, 'time')
             do i = 1, size(measured%columns)

@@ -14,10 +14,10 @@ PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, shar
           const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
           const double *law, const double *given, const double *share, const double *share_rest, double *c, int *exists)
 
-// series_terms.h: a step, whose size is returned, not finite if terms are not: the time at which the larger of the last two terms
-// reaches the admissible error, times `safety`, and `growth` times the last size at most; it is stretched to the end where that
-// suffices. `rest` is the rounding error of the state. And the change of the state after a time h, the sum of all terms but the
-// first; the changes after several times, of one variable after the other.
+// series_terms.h: a step, whose size is returned, not finite if terms are not: the time at which the larger of the last two
+// terms reaches the admissible error, times `safety`, and `growth` times the last size at most; it is stretched to the end
+// where that suffices. `rest` is the rounding error of the state. And the change of the state after a time h, the sum of all
+// terms but the first; the changes after several times, of one variable after the other.
 FUNCTION(take_step,
          (order, of_denominator, turn_rate, c, absolute, relative, scale, least, last_h, safety, growth, stretch, t, t_end, y,
           rest, t_new, y_new),

@@ -115,20 +115,19 @@ static void expand_top(int order, const struct symmetric_top *top, const double 
     keep_term(&s, 1, term);
     s.denominator[0] = 1, s.denominator[1] = s.denominator[2] = 0, s.slope[1] = 0;
     for_all(k, 3) put_term(&s, k, c);
+    int k = 1;
 #if defined(__AVX__) && !defined(__clang__)
-        // The first terms without loops, so that no branch depends on their number but the one that ends: with all of them the
-        // instructions would not fit the cache.
+    // The first terms without loops, so that no branch depends on their number but the one that ends: with all of them the
+    // instructions would not fit the cache.
 #define after(k)                 \
     if ((k) + 2 > order) return; \
     make_term(&s, k, share_of(share, share_rest, k), c);
     // clang-format off
     after(1) after(2) after(3) after(4) after(5) after(6) after(7) after(8) after(9) after(10) after(11) after(12)
     after(13) after(14) after(15) after(16) after(17) after(18) after(19)
+    k = 20;
     // clang-format on
 #undef after
-    const int made = 19;
-#else
-    const int made = 0;
 #endif
-    for (int k = made + 1; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), c);
+    for (; k + 2 <= order; ++k) make_term(&s, k, share_of(share, share_rest, k), c);
 }

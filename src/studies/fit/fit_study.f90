@@ -190,7 +190,8 @@ contains
             end do
         end associate
         if (allocated(error)) return
-        call describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, seconds() - began, summary)
+        call describe_fit(self, job, options, search, model, minimum, estimate, judgement, criterion, ending, seconds() - began, &
+                          summary)
     end subroutine run
 
     !> Adds what was understood of the tables of measurements.
@@ -267,9 +268,10 @@ contains
     end function end_of_search
 
     !> The summary: the motion, the parameters with their intervals, the residuals, and how the search ended.
-    subroutine describe_fit(self, job, search, model, minimum, estimate, judgement, criterion, ending, time, summary)
+    subroutine describe_fit(self, job, options, search, model, minimum, estimate, judgement, criterion, ending, time, summary)
         type(fit_study_t), intent(in) :: self
         type(job_t), target, intent(inout) :: job
+        type(options_t), intent(in) :: options
         type(search_t), intent(in) :: search
         type(fit_model_t), intent(in) :: model
         type(minimum_t), intent(in) :: minimum
@@ -288,7 +290,7 @@ contains
             text = text // ', ' // residual_path(job%files%table, i)
         end do
         call summary%headline(text)
-        call self%forecast(job, options_t(), summary)
+        call self%forecast(job, options, summary)
         call summary%describe_plan(job%plan)
         do i = 1, n
             interval = ''

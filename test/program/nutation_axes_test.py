@@ -190,13 +190,3 @@ def test_precession_of_a_free_top(spin, columns):
         assert rate == pytest.approx(precession / period, rel=1e-14)
         assert per_turn == 1 if precession else math.isnan(per_turn)
     assert len(set(rows[:, 0])) == 3
-
-
-def test_a_sweep_of_the_whole_nutation_needs_no_span(spin):
-    """Without a span the quantities are the same; one that depends on it asks for it."""
-    scene = "&study kind = 'sweep' /\n&top mass = 1, inertia = 0.9, 0.9, 0.2, length = 0.8 /\n"
-    scene += "&initial theta = 0.6 /\n&output columns = 'theta_max', 'nutation_period' /\n"
-    scene += "&sweep parameter(1) = 'initial.psi_rate', values(1,:) = 9, 12, 15 /\n"
-    without = spin(scene).rows
-    assert without.equals(spin(scene, "span.t_end=1", "--restart").rows)
-    assert "the time span is not given" in spin.refuse(scene.replace("theta_max", "theta_end"))

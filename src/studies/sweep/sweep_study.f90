@@ -8,7 +8,6 @@ module spintop_sweep_study
     use spintop_job, only: compare_with_writer, job_t
     use spintop_kinds, only: dp
     use spintop_study, only: options_t, study_t
-    use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_process, only: peak_memory, processor_seconds, seconds, stop_watching_signals
     use spintop_ranks, only: ranks_t
@@ -18,9 +17,9 @@ module spintop_sweep_study
     use spintop_statistics_choice, only: choose_statistics
     use spintop_statistics_output, only: bytes_of_result
     use spintop_status, only: count_failed, is_good_end, last_status, status_meaning, status_name, status_ok
-    use spintop_study_column, only: find_column, study_column_t
+    use spintop_study_column, only: study_column_t
     use spintop_summary, only: duration, rounded, summary_t
-    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, sweep_columns, work_for
+    use spintop_sweep_result, only: asks_for_span, kinds_of_work, of_details, work_for
     use spintop_sweep_worker, only: cells_of_row, describe_columns, describe_table, size_of_block, sweep_rows_t
     use spintop_table_column, only: column_of_integers, column_of_notes, column_of_words
     use spintop_table_head, only: shard_t
@@ -67,7 +66,6 @@ contains
         type(scene_t), allocatable :: first
 
         if (job%axes%cases == 0) return
-        call give_span(job%input%scene)
         call job%make_first_case(first, problems, planned=.true.)
         call job%warn_of_bodies(problems)
         self%count = job%axes%cases
@@ -75,25 +73,6 @@ contains
         if (job%first > 1) self%phrase = 'a sweep of ' // to_text(self%count) // ' cases, of which this is number ' // &
                                          to_text(job%first) // ', the first that can be computed'
     end subroutine check
-
-    !> Gives a sweep the span of a nutation, if the input has none and all its columns are quantities of the whole nutation.
-    subroutine give_span(scene)
-        type(scene_t), intent(inout) :: scene
-        type(study_column_t), allocatable :: chosen(:)
-        type(study_column_t) :: found
-        character(:), allocatable :: problem, hint
-        integer :: i
-
-        if (any(is_set([scene%t_end, scene%nutations, scene%precessions])) .or. all(scene%columns == '')) return
-        allocate (chosen(0))
-        do i = 1, size(scene%columns)
-            if (scene%columns(i) == '') cycle
-            call find_column(sweep_columns, trim(scene%columns(i)), found, problem, hint)
-            if (found%place == 0) return
-            chosen = [chosen, found]
-        end do
-        if (.not. asks_for_span(work_for(chosen))) scene%nutations = 1
-    end subroutine give_span
 
     !> Computes all cases, or those of one part, and writes the table. After an error the part of the table that
     !> is complete stays, where a later run can resume it. Only the writer among the ranks has a summary, and a

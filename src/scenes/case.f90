@@ -49,10 +49,10 @@ module spintop_case
         real(dp) :: t_end = 0
     end type case_t
 
-    !> Parts of a case that are those of the scene already: the body, that it has no effects, the attitude of the start; and one
-    !> that nobody asks for, the length of a span of nutations where these have a closed form.
+    !> Parts of a case that are those of the scene already: the body, the attitude of the start; and one that nobody asks
+    !> for, the length of a span of nutations where these have a closed form.
     type :: kept_parts_t
-        logical :: body = .false., no_effects = .false., attitude = .false., nutations = .false.
+        logical :: body = .false., attitude = .false., nutations = .false.
     end type kept_parts_t
 
 contains
@@ -70,7 +70,7 @@ contains
         if (present(kept)) keep = kept
         if (.not. keep%body) then
             call make_body(scene, case%given_body, problems)
-            if (.not. (keep%no_effects .or. problems%any())) call make_effects(scene%effects, case%given_body, problems)
+            if (.not. problems%any()) call make_effects(scene%effects, case%given_body, problems)
             if (.not. problems%any()) then
                 case%turn = find_body_turn(case%given_body)
                 case%body = case%turn%turned_body(case%given_body)

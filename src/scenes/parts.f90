@@ -52,10 +52,8 @@ contains
     !> Whether there are parts.
     pure logical function has_any(self)
         class(parts_t), intent(in) :: self
-        ! Not one part after another: this is asked for every case of a sweep.
-        has_any = any(self%shape(:)(1:1) /= ' ') .or. any(self%mass > unset) .or. any(self%density > unset) &
-                  .or. any(self%radius > unset) .or. any(self%inner_radius > unset) .or. any(self%thickness > unset) &
-                  .or. any(self%place > unset) .or. any(self%axis > unset)
+        integer :: i
+        has_any = any([(is_used(self, i), i=1, max_parts)])
     end function has_any
 
     !> Mass, centre of mass and inertia tensor about the pivot of all parts; problems of their description are reported.

@@ -260,18 +260,16 @@ contains
     pure logical function varies(self, group)
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: group !! name of the group, as `top`
-        varies = self%last_of([group]) > 0
+        integer :: i
+        varies = any([(index(self%axis(i)%key, group // '.') == 1, i=1, size(self%axis))])
     end function varies
 
-    !> The last axis whose parameter, the vector of which it is an element, or the group has one of these names; 0 if there is
-    !> none.
+    !> The last axis whose parameter, or the vector of which it is an element, has one of these names; 0 if there is none.
     pure integer function last_of(self, names)
         class(axes_t), intent(in) :: self
         character(*), intent(in) :: names(:) !! the names
         do last_of = size(self%axis), 1, -1
-            associate (name => self%axis(last_of)%key)
-                if (any(names == base_of(name)) .or. any(names == name(:index(name, '.') - 1))) return
-            end associate
+            if (any(names == base_of(self%axis(last_of)%key))) return
         end do
     end function last_of
 

@@ -85,16 +85,16 @@ module spintop_sweep_worker
         !> The plans of the kinds of body; where plans differ from case to case, those of the slots.
         type(kept_plan_t), allocatable, private :: plans(:)
         integer, private :: kind_of_first = symmetric_top
-        !> Whether the plans are the same in all cases, and whether none has effects.
-        logical, private :: same_plans = .false., no_effects = .false.
+        !> Whether the body, or the plans, are the same in all cases.
+        logical, private :: same_body = .false., same_plans = .false.
         !> Whether nothing depends on a span in nutations.
         logical, private :: skips_nutations = .false.
         !> Which quantities are to be proved.
         logical, private :: proofs(proof_count) = .false.
-        !> Values of the swept parameters of each case, one per axis; and the last axis on which the body, and the attitude,
-        !> depends, 0 if it is the same in all cases.
+        !> Values of the swept parameters of each case, one per axis; and the last axis on which the attitude depends, 0 if it
+        !> is the same in all cases.
         real(dp), allocatable, private :: parameters(:, :)
-        integer, private :: last_of_body = 0, last_of_attitude = 0
+        integer, private :: last_of_attitude = 0
         !> Time of the processor for making and computing the cases of the last block, and for formatting their rows, s.
         real(dp) :: costs(work_of_formatting) = 0
     contains
@@ -293,8 +293,7 @@ contains
         integer :: k
 
         call worker%swept%copy(job%input%scene, job%axes)
-        worker%last_of_body = job%axes%last_of([character(7) :: 'top', 'part', 'effects'])
-        worker%no_effects = .not. (allocated(job%case%given_body%effects) .or. job%axes%varies('effects'))
+        worker%same_body = .not. (job%axes%varies('top') .or. job%axes%varies('part') .or. job%axes%varies('effects'))
         worker%last_of_attitude = job%axes%last_of(attitude_parameters)
         worker%same_plans = .not. job%axes%varies('integration')
         ! Not on the stack, which may be small.
@@ -341,7 +340,7 @@ contains
                 note = slots(k)%note
                 call slots(k)%note%clear()
                 call worker%swept%set_values(worker%parameters(:, k))
-                call make_worker_case(worker, job, k, kept_parts_t(worker%last_of_body == 0, worker%no_effects))
+                call make_worker_case(worker, job, k, kept_parts_t(worker%same_body))
                 if (is_ok(slots(k)%status)) then
                     slots(k)%note = note
                 else
@@ -368,8 +367,7 @@ contains
         class(sweep_worker_t), target, intent(inout) :: worker
         type(job_t), intent(in) :: job
         integer, intent(in) :: k
-        type(kept_parts_t) :: kept
-        logical :: follows !! whether the case before is at hand
+        logical :: keeps_attitude
         integer :: first !! the first axis whose value is not that of the case before
 
         first = 1
@@ -384,21 +382,16 @@ contains
             slot%result = nothing
             slot%growth_until = 0
             call worker%swept%set_values(worker%parameters(:, k), first)
-            follows = k > 1
-            if (follows) follows = is_ok(worker%slots(k - 1)%status)
-            kept = kept_parts_t(worker%last_of_body == 0 .or. (follows .and. first > worker%last_of_body), worker%no_effects, &
-                                worker%last_of_attitude == 0 .or. (follows .and. first > worker%last_of_attitude), &
-                                worker%skips_nutations)
-            if (kept%body .and. worker%last_of_body > 0) then
-                slot%case%given_body = worker%slots(k - 1)%case%given_body
-                slot%case%turn = worker%slots(k - 1)%case%turn
-                slot%case%body = worker%slots(k - 1)%case%body
+            ! The attitude of the case before is at hand, if that is the one.
+            keeps_attitude = worker%last_of_attitude == 0
+            if (k > 1 .and. first > worker%last_of_attitude .and. .not. keeps_attitude) then
+                if (is_ok(worker%slots(k - 1)%status)) then
+                    slot%case%given_start = worker%slots(k - 1)%case%given_start
+                    slot%case%circular = worker%slots(k - 1)%case%circular
+                    keeps_attitude = .true.
+                end if
             end if
-            if (kept%attitude .and. worker%last_of_attitude > 0) then
-                slot%case%given_start = worker%slots(k - 1)%case%given_start
-                slot%case%circular = worker%slots(k - 1)%case%circular
-            end if
-            call make_worker_case(worker, job, k, kept)
+            call make_worker_case(worker, job, k, kept_parts_t(worker%same_body, keeps_attitude, worker%skips_nutations))
             slot%lacks = merge(lacks_motion, lacks_nothing, is_ok(slot%status))
             if (.not. is_ok(slot%status)) return
             slot%max_steps = slot%plan%max_steps
@@ -435,7 +428,7 @@ contains
             place = k
             if (worker%same_plans) then
                 place = worker%kind_of_first
-                if (worker%last_of_body > 0) place = kind_of(slot%case%body)
+                if (.not. worker%same_body) place = kind_of(slot%case%body)
             end if
             associate (known => worker%plans(place))
                 if (.not. (known%is_made .and. worker%same_plans)) then

@@ -21,8 +21,6 @@ module spintop_intervals
     !> The search ended at another minimum where the profile has a sum of squares that is smaller by this part of the rise at
     !> an end.
     real(dp), parameter :: better_slack = 1.0e-2_dp
-    !> Nothing bounds a parameter whose standard error is so many times the interval that the ranges leave.
-    real(dp), parameter :: beyond = 10
     !> Factor of the rounding of the residuals, which is that of what they are differences of, below
     !> which the profile is lost in rounding.
     real(dp), parameter :: lost = 100
@@ -101,10 +99,6 @@ contains
             call find_interval(model, minimum, jacobian, level, k, wants_profile, estimate)
         end do
         do k = 1, n
-            ! The ends are those of the ranges of some parameters, which the measurements leave open.
-            if (level * estimate%standard_error(k) > beyond * (estimate%upper(k) - estimate%lower(k))) then
-                estimate%is_bounded(k) = .false.
-            end if
             if (estimate%is_bounded(k)) cycle
             estimate%is_identifiable = .false.
             estimate%is_undetermined(k) = .true.

@@ -233,9 +233,9 @@ def test_mounting(spin):
 @each(
     "head, message",
     ("t,theta,theta_deg", "column 'theta_deg' is named twice"),
-    ("t,t_ms,theta", "two columns of the table are the time"),
+    ("t,t_ms,theta", "two columns of the table are the same"),
     ("t,theta_rpm,psi", "theta is in rad, and can have a suffix"),
-    ("t_m,theta,psi", "there is no column t"),
+    ("t_m,theta,psi", "no column of the table is the time"),
 )
 def test_refusals(spin, head, message):
     rows = "".join(f"{0.1 * i},{1 + 0.1 * i},1.0\n" for i in range(9))

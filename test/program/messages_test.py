@@ -51,7 +51,7 @@ HINTS = {
         ("initial.theta=20", "theta is out of range", "in [0, pi] rad; theta_deg takes degrees"),
         ("initial.phi_rate_deg=3", f"'phi_rate' {DEGREES}"),
         ("output.columns=t,theta_rpm", "'theta_rpm': rpm is no unit of a quantity in rad"),
-        ("output.columns=t,theta_rpm", "theta is in rad", "a suffix: _rad, _mrad, _deg, _rev"),
+        ("output.columns=t,theta_rpm", "theta is in rad", "a suffix: _rad, _mrad, _deg, _mdeg"),
         ("output.columns=t,tetha", "there is no column 'tetha'", "did you mean 'theta'?"),
         ("&sweepsweep count(1) = 2 /", "unknown group &sweepsweep", "did you mean '&sweep'?"),
         ("output.columns=t,theta_degr", "there is no column 'theta_degr'"),
@@ -72,7 +72,7 @@ HINTS = {
     ],
     CLOSED: [("output.columns=work_friction", "'work_friction' needs effects, which this body")],
     SWEEP: [
-        (AXIS.format("initial.omega3_deg", 1), "'omega3' is in rad/s"),
+        (AXIS.format("initial.omega3_deg", 1), "the spin is given twice"),
         (AXIS.format("initial.theta", "1, 20"), "theta_deg takes degrees"),
         # The unit of an axis is that of its parameter.
         (

@@ -407,7 +407,7 @@ contains
         type(column_t), allocatable :: columns(:)
         type(table_file_t) :: file
         type(text_buffer_t) :: cells
-        type(string_t), allocatable :: remarks(:), trailer(:)
+        type(string_t), allocatable :: trailer(:)
         integer :: i, n
 
         n = size(fit_columns)
@@ -421,10 +421,9 @@ contains
         do i = 1, size(warnings)
             call append(trailer, 'warning: ' // warnings(i)%text)
         end do
+        if (criterion /= '') call append(trailer, 'AIC: ' // criterion)
         call append(trailer, 'status: ' // ending)
-        allocate (remarks(0))
-        if (criterion /= '') call append(remarks, 'AIC: ' // criterion)
-        call file%create(job%files%table, study_head(job, columns, remarks), error)
+        call file%create(job%files%table, study_head(job, columns), error)
         if (allocated(error)) return
         do i = 1, size(sought%names)
             call cells%clear()

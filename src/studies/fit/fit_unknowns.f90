@@ -136,14 +136,14 @@ contains
         type(sensitive_key_t), intent(in) :: keys(:)
         integer, intent(in) :: common, runs
         type(unknowns_t), intent(out) :: unknowns
-        real(dp), allocatable :: starts(:, :)
+        integer, allocatable :: places(:)
         integer :: i, k, run, n
 
         unknowns%keys = keys
         unknowns%common = common
         n = common + runs * (size(keys) - common)
         allocate (unknowns%places(size(keys), runs), unknowns%key(n), unknowns%names(n), unknowns%start(n))
-        allocate (starts, source=fit%start_each(pack([(i, i=1, size(fit%unknown_each))], fit%unknown_each /= ''), :))
+        allocate (places, source=pack([(i, i=1, size(fit%unknown_each))], fit%unknown_each /= ''))
         do run = 1, runs
             do k = 1, size(keys)
                 i = k
@@ -154,7 +154,9 @@ contains
                 unknowns%start(i) = keys(k)%slot%get()
                 if (k <= common) cycle
                 unknowns%names(i)%text = keys(k)%name // '[' // to_text(run) // ']'
-                if (is_set(starts(k - common, run))) unknowns%start(i) = starts(k - common, run)
+                associate (start => fit%start_each(places(k - common), run))
+                    if (is_set(start)) unknowns%start(i) = start
+                end associate
             end do
         end do
     end subroutine make_vector

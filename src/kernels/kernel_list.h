@@ -20,10 +20,10 @@ PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, shar
 // terms but the first; the changes after several times, of one variable after the other.
 FUNCTION(take_step,
          (order, of_denominator, turn_rate, c, absolute, relative, scale, least, last_h, safety, growth, stretch, t, t_end, y,
-          rest, t_new, y_new),
+          rest, t_new, y_new, rest_new),
          int order, int of_denominator, double turn_rate, const double *c, const double *absolute, const double *relative,
          const double *scale, double least, double last_h, double safety, double growth, double stretch, double t, double t_end,
-         const double *y, double *rest, double *t_new, double *y_new)
+         const double *y, const double *rest, double *t_new, double *y_new, double *rest_new)
 PROCEDURE(add_terms, (order, of_denominator, turn_rate, c, y, h, change), int order, int of_denominator, double turn_rate,
           const double *c, const double *y, double h, double *change)
 PROCEDURE(add_terms_at, (order, of_denominator, turn_rate, c, y, h, change), int order, int of_denominator, double turn_rate,

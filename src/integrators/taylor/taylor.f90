@@ -53,13 +53,12 @@ module spintop_taylor
     ! What is done with the terms of a series: kernel_list.h.
     interface
         real(c_double) function c_take_step(order, of_denominator, turn_rate, coefficient, absolute, relative, scale, least, &
-            last_h, safety, growth, stretch, t, t_end, y, rest, t_new, y_new) bind(C, name='spintop_take_step')
+            last_h, safety, growth, stretch, t, t_end, y, rest, t_new, y_new, rest_new) bind(C, name='spintop_take_step')
             import :: c_double, c_int
             integer(c_int), value :: order, of_denominator
             real(c_double), value :: turn_rate, least, last_h, safety, growth, stretch, t, t_end
-            real(c_double), dimension(*), intent(in) :: coefficient, absolute, relative, scale, y
-            real(c_double), intent(inout) :: rest(*)
-            real(c_double), intent(out) :: t_new, y_new(*)
+            real(c_double), dimension(*), intent(in) :: coefficient, absolute, relative, scale, y, rest
+            real(c_double), intent(out) :: t_new, y_new(*), rest_new(*)
         end function c_take_step
 
         subroutine c_add_terms(order, of_denominator, turn_rate, coefficient, y, h, change) bind(C, name='spintop_add_terms')
@@ -129,7 +128,7 @@ contains
     subroutine advance(self, status)
         class(taylor_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: h, t_new, y_new(max_states)
+        real(dp) :: h, t_new, y_new(max_states), rest(max_states)
         logical :: changed
 
         call self%formulation%expand(self%t, self%y, self%degree, self%coefficient)
@@ -137,7 +136,7 @@ contains
         associate (w => self%weight, series => self%formulation)
             h = c_take_step(self%degree, series%of_denominator, series%turn_rate, self%coefficient, w%absolute, w%relative, &
                             series%scale, self%least, self%h, safety, largest_growth, stretch, self%t, self%t_end, self%y, &
-                            self%rest, t_new, y_new)
+                            self%rest, t_new, y_new, rest)
         end associate
         status = status_non_finite
         if (.not. abs(h) <= huge(h)) return
@@ -147,6 +146,7 @@ contains
         ! Terms that are NaN do not show in the largest magnitude.
         status = status_non_finite
         if (.not. all(abs(y_new) <= huge(h))) return
+        self%rest = rest
         call self%accept_step(t_new, y_new, changed)
         status = status_ok
     end subroutine advance

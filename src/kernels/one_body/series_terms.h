@@ -115,14 +115,16 @@ static void add_terms(int order, int of_denominator, double turn_rate, const dou
 // A step: its size by the last terms, and how far it goes; the state there, with the rounding error of the sum.
 static double take_step(int order, int of_denominator, double turn_rate, const double *c, const double *absolute,
                         const double *relative, const double *scale, double least, double last_h, double safety, double growth,
-                        double stretch, double t, double t_end, const double *y, double *rest, double *t_new, double *y_new) {
+                        double stretch, double t, double t_end, const double *y, const double *rest, double *t_new,
+                        double *y_new, double *rest_new) {
     double h = safety * length_of_step(order, of_denominator, c, absolute, relative, scale, least, last_h), change[numbers];
+    if (!(h <= DBL_MAX)) return h;
     if (h > growth * last_h) h = growth * last_h;
     *t_new = stretch * h >= t_end - t ? t_end : t + h;
     add_terms(order, of_denominator, turn_rate, c, y, *t_new - t, change);
     for (int i = 0; i < numbers; i += width) {
         const vector before = load(y + i), step = load(change + i) + load(rest + i), after = before + step;
-        store(y_new + i, after), store(rest + i, step - (after - before));
+        store(y_new + i, after), store(rest_new + i, step - (after - before));
     }
     return h;
 }

@@ -50,7 +50,9 @@ class FigureKind(NamedTuple):
             with the_look(figure.options):
                 letters = LETTERS * scale() * 0.93
             if options.font_size or letters < SMALLEST:
-                raise TableError(f"does not fit on a slide: no {self.name} figure")
+                hint = " with such letters; without --font-size they are as large as fits"
+                lack = f"does not fit on a slide{hint if options.font_size else ''}"
+                raise TableError(f"{lack}: no {self.name} figure")
             figure = self.draw_once(tables, replace(options, font_size=letters))
         return figure
 

@@ -210,7 +210,7 @@ def test_check_forecasts(spin):
     memory = re.search(r"! +memory +about (\S+) MB\n", said)
     assert float(memory[1]) < 400
     found = re.search(r"! +table +about (\S+) kB, (\S+) bytes per case", said)
-    time = r"! +time +about \S+ \w+ on 2 threads, from (200|4608) cases in \S+ m?s\n"
+    time = r"! +time +about \S+ \w+ on 2 threads, from (200|4992) cases in \S+ m?s\n"
     assert re.search(time, said)
     assert "a case takes" not in said
     columns = "output.columns=theta_min,lyapunov_exponent,theta_max"

@@ -298,12 +298,12 @@ def quoted(text: object) -> str:
     return '"' + " ".join(str(text).replace('"', "'").split()) + '"'
 
 
-def readings(values: ArrayLike, name: str, takes_words: bool) -> np.ndarray:
+def readings(values: ArrayLike, name: str, is_time: bool, takes_words: bool) -> np.ndarray:
     """An array of numbers, or of cells with dates; with other words where these may stand."""
     array = np.asanyarray(values)
-    if array.dtype.kind == "M":
+    if array.dtype.kind == "M" and (is_time or takes_words):
         return np.datetime_as_string(array.astype("M8[ns]"))
-    if array.dtype.kind == "m":
+    if array.dtype.kind == "m" and (is_time or takes_words):
         return array / np.timedelta64(1, "s")
     if array.dtype.kind in "OU" and (takes_words or hasattr(next(array.flat, 0), "isoformat")):
         return np.array([quoted(each) for each in array.flat]).reshape(array.shape)
@@ -322,7 +322,10 @@ def measurements(
     if not (time and given):
         hint = 'give t, in s from the start, or map it: columns={"t": "NAME (ms)", ...}'
         raise InputError(f"the measurements have no times: {hint}", code=2)
-    columns = {str(name): readings(each, str(name), bool(mapped)) for name, each in given.items()}
+    columns = {
+        str(name): readings(each, str(name), name == time, bool(mapped))
+        for name, each in given.items()
+    }
     first = time if time in columns else next(iter(columns))
     shape = columns[first].shape
     for name, column in columns.items():

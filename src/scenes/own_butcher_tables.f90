@@ -57,7 +57,7 @@ contains
             character(*), intent(inout) :: name
             type(tableau_t) :: tableau
             type(error_t), allocatable :: error
-            character(:), allocatable :: text, problem, path, form, given
+            character(:), allocatable :: text, problem, hint, path, form, given
             integer :: i
 
             if (index(name, table_prefix) /= 1) return
@@ -82,21 +82,12 @@ contains
                 return
             end if
             call parse_tableau(text, tableau, problem)
+            call name_method(path, tableau, problem, hint)
             if (problem /= '') then
-                call problems%add(key, path // ', ' // problem, 'doc/methods.md, "Own tables", has an example')
+                call problems%add(key, problem, hint)
                 return
             end if
             tableau%key = table_prefix // path // '@' // checksum_of(text)
-            associate (base => path(index(path, '/', back=.true.) + 1:))
-                i = index(base, '.', back=.true.)
-                if (i <= 1) i = len(base) + 1
-                if (len(table_prefix) + i - 1 > len(tableau%name)) then
-                    call problems%add(key, "the name of the file is too long for a method: '" // base(:i - 1) // "'", &
-                                      'at most ' // to_text(len(tableau%name) - len(table_prefix)) // ' bytes, without its ending')
-                    return
-                end if
-                tableau%name = table_prefix // base(:i - 1)
-            end associate
             if (len_trim(tableau%key) + len(form) > len(name)) then
                 call problems%add(key, "the path of the table is too long: '" // path // "'", &
                                   'at most ' // to_text(len(name) - checksum_width - 1 - len(table_prefix) - len(form)) // ' bytes')
@@ -113,6 +104,29 @@ contains
         end subroutine read_one
 
     end subroutine read_tables
+
+    !> Names the method of a table as its file, without the ending, or says what is wrong with it, or with its text.
+    subroutine name_method(path, tableau, problem, hint)
+        character(*), intent(in) :: path
+        type(tableau_t), intent(inout) :: tableau
+        character(:), allocatable, intent(inout) :: problem !! that of the text, and then of both; '' if there is none
+        character(:), allocatable, intent(out) :: hint
+        integer :: i
+        hint = 'doc/methods.md, "Own tables", has an example'
+        if (problem /= '') then
+            problem = path // ', ' // problem
+            return
+        end if
+        associate (base => path(index(path, '/', back=.true.) + 1:), most => len(tableau%name) - len(table_prefix))
+            i = index(base, '.', back=.true.)
+            if (i <= 1) i = len(base) + 1
+            if (i - 1 > most) then
+                problem = "the name of the file is too long for a method: '" // base(:i - 1) // "'"
+                hint = 'at most ' // to_text(most) // ' bytes, without its ending'
+            end if
+            tableau%name = table_prefix // base(:i - 1)
+        end associate
+    end subroutine name_method
 
     !> The path in the name of a method, without the checksum.
     function path_of_table(name) result(path)

@@ -145,8 +145,11 @@ module spintop_arkode
 
     !> A table with the name of its method, as in tables, and the text of the input by which it is found.
     type :: tableau_t
+        !> Name of its method.
         character(20) :: name = ''
+        !> What stands for it in an input: the path of its file, and the checksum.
         character(256) :: key = ''
+        !> Its coefficients.
         type(arkode_table_t) :: table
     end type tableau_t
 

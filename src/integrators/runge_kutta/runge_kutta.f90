@@ -34,6 +34,7 @@ module spintop_runge_kutta
 
     !> An explicit Runge-Kutta method given by its Butcher table.
     type, extends(fixed_step_t) :: runge_kutta_t
+        !> Its coefficients.
         type(butcher_t) :: table
     contains
         procedure :: step => step_by_table

@@ -16,7 +16,7 @@ module spintop_fit_study
     use spintop_probability, only: student_quantile
     use spintop_problems, only: problems_t
     use spintop_process, only: seconds
-    use spintop_residuals, only: loss_names, loss_squares, loss_t
+    use spintop_residuals, only: loss_names, loss_squares
     use spintop_row_block, only: text_buffer_t
     use spintop_scene_keys, only: scene_t
     use spintop_study_column, only: categorical, column => study_column_t

@@ -292,9 +292,7 @@ contains
             case (vector_goryachev)
                 vector(1) = goryachev_integral(body, now%motion)
             case (vector_accelerometer) ! in body axes
-                associate (w => now%motion%omega, arm => now%lever_arm)
-                    vector(:3) = specific_force(body, now%motion) + cross(now%motion%omega_rate, arm) + cross(w, cross(w, arm))
-                end associate
+                vector(:3) = specific_force(body, now%motion) + acceleration_at(now%motion, now%lever_arm)
             case (vector_work) ! the parts, and their sum
                 vector(:works) = now%work
                 vector(works + 1) = sum(now%work)
@@ -305,6 +303,14 @@ contains
             end select
         end associate
     end subroutine fill_vector
+
+    !> The acceleration of a place of the body against that of the centre of mass, in body axes, m/s^2.
+    pure function acceleration_at(motion, arm)
+        type(motion_t), intent(in) :: motion
+        real(dp), intent(in) :: arm(3)
+        real(dp) :: acceleration_at(3)
+        acceleration_at = cross(motion%omega_rate, arm) + cross(motion%omega, cross(motion%omega, arm))
+    end function acceleration_at
 
     !> Sets the columns of the rows, and the case. Columns that need an exact motion are for bodies that have one. The scene
     !> says what is to be proved, and of which data.

@@ -128,7 +128,12 @@ def test_a_formulation_with_the_method_of_a_scene(spin):
 
 
 def test_a_table_of_results_is_an_input(spin):
-    """The input in its header runs again to the same bytes; files that it names are beside it."""
+    """The input in its header runs again to the same table; files that it names are beside it."""
+
+    def dateless(path):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        return [line for line in lines if not line.startswith(("# date", "# end"))]
+
     spin.write(EIGHTHS, "own.txt")
     first = spin(FIXED)
     table = "output/scene.csv"
@@ -136,5 +141,5 @@ def test_a_table_of_results_is_an_input(spin):
     assert "relative to the folder of the input, or of the table that has the input" in said
     spin.write(EIGHTHS, "output/own.txt")
     again = spin.call("--output=again", table, path="again/scene.csv")
-    assert again.path.read_bytes() == first.path.read_bytes()
+    assert dateless(again.path) == dateless(first.path)
     assert "would replace" in spin.call(table, code=2).err

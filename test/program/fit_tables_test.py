@@ -202,6 +202,7 @@ BAD = {
     "no such column": (NAMES.replace("gx", "g1"), GYRO, "ms x y", READ),
     "two such columns": (NAMES, GYRO + "|gx [dps]", "ms x y y", "different names"),
     "two units": (NAMES.replace("gx", "gx (rad/s)"), GYRO, "ms x y", "gx [dps] (rad/s)'"),
+    "a misspelt unit": (NAMES.replace("gx", "gx (rpn)"), GYRO, "ms x y", "'rpn' is not a unit"),
     "another quantity": (
         NAMES,
         "time (s)|gx (g)|gy (dps)",

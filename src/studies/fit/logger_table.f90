@@ -203,8 +203,9 @@ contains
         associate (source => self%sources(place))
             if (any(rule == [1, 2, 4])) unit = source%unit
             if (rule == 5) then
-                call find_size(source%unit, found, sizes(1), problem)
-                if (problem == '') call find_size(unit, found, sizes(2), problem)
+                call find_size(unit, found, sizes(1), problem)
+                if (problem /= '') return
+                call find_size(source%unit, found, sizes(2), problem)
                 if (problem /= '' .or. .not. is_equal(sizes(1), sizes(2))) then
                     problem = "the unit of '" // source%name // "' is " // source%unit // ' in the table, and ' // unit // ' here'
                     hint = "where the table is wrong, write '" // left // ' = ' // source%name // ' (' // unit // ")'"

@@ -114,8 +114,8 @@ contains
         call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
-        if (allocated(self%coefficient)) deallocate (self%coefficient)
-        allocate (self%coefficient(max_states, 0:self%degree))
+        ! A run that goes on from within a step still needs the series of that step, which is of the same order.
+        if (.not. allocated(self%coefficient)) allocate (self%coefficient(max_states, 0:self%degree))
         ! Products of two variables are multiplied by a rate over a momentum at most, or by a torque.
         associate (n => self%weight%states, scale => self%formulation%scale)
             rate = maxval(abs(self%slope(:n)) / scale(:n))

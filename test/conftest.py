@@ -447,7 +447,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
         return
     times: dict[Path, float] = {}
     for item in items:
-        known = config.workerinput["times"].get(item.nodeid.partition("::")[0])
+        known = config.workerinput.get("times", {}).get(item.nodeid.partition("::")[0])
         guess = 60.0 if item.get_closest_marker("slow") else 0.0
         times[item.path] = max(times.get(item.path, 0.0), guess if known is None else known)
     items.sort(key=lambda item: -times[item.path])

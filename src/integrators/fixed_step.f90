@@ -163,6 +163,7 @@ contains
 
         if (self%controls%steps > 0) self%h = (self%t_end - self%t_begin) / self%controls%steps
         self%t_fitted = -huge(self%t)
+        self%dense%level = -1
         call self%evaluate(self%t, self%y, self%slope, status)
     end subroutine begin_on_grid
 

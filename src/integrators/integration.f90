@@ -160,13 +160,11 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: slope(max_states), noise, noise_of_step, h
+        real(dp) :: noise, noise_of_step, h
         logical :: is_idle
 
         associate (formulation => self%method%formulation, stepper => self%method)
             call formulation%prepare(body, start, stepper%y, status)
-            ! The derivative must exist at the start.
-            if (is_ok(status)) call stepper%evaluate(stepper%t, stepper%y, slope, status)
             if (.not. is_ok(status)) return
             if (stepper%controls%project == project_invariants) call formulation%invariants(stepper%y, stepper%invariants)
             if (allocated(formulation%action)) then
@@ -185,11 +183,12 @@ contains
             self%error_of_step = margin * noise_of_step
             self%looks_at_steps = .not. is_idle .or. associated(self%search) .or. self%observer%sees_steps &
                                   .or. allocated(formulation%action)
-            call observe_until(self, 0.0_dp)
-            call leave_rest(self)
-            call stepper%begin(status)
+            if (formulation%has_ends) call leave_rest(self, status)
+            ! The derivative must exist at the start.
+            if (is_ok(status)) call stepper%begin(status)
+            if (.not. is_ok(status)) return
             call observe_until(self, stepper%t)
-            if (is_ok(status) .and. allocated(formulation%action)) then
+            if (allocated(formulation%action)) then
                 allocate (self%segments)
                 call self%segments%begin(stepper, self%stepper, status)
             end if
@@ -323,13 +322,16 @@ contains
 
     !> Leaves a start at which the right-hand side vanishes although the motion does not rest: by the first
     !> step of a fixed-step method, or by a short time before an adaptive one begins.
-    subroutine leave_rest(self)
+    subroutine leave_rest(self, status)
         type(run_t), intent(inout) :: self
+        integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: h, y(max_states), time, y_then(max_states)
         logical :: departed
 
-        if (.not. self%method%formulation%has_ends) return
         associate (stepper => self%stepper, steps => self%stepper%controls%steps)
+            call stepper%evaluate(stepper%t, stepper%y, stepper%slope, status)
+            if (.not. is_ok(status)) return
+            call observe_until(self, 0.0_dp)
             h = 0
             if (steps > 0) h = stepper%t_end / steps
             y = stepper%y
@@ -400,7 +402,7 @@ contains
     subroutine integrate(formulation, stepper, body, start, t_end, samples, observer, outcome, search)
         class(formulation_t), target, intent(inout) :: formulation
             !! the equations of motion; prepared by this procedure
-        class(stepper_t), intent(in) :: stepper !! the method with its settings; a copy of it runs
+        class(stepper_t), target, intent(inout) :: stepper !! the method with its settings, and then the end of its run
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         real(dp), intent(in) :: t_end !! length of the span, s
@@ -408,7 +410,6 @@ contains
         class(observer_t), target, intent(inout) :: observer !! receives the motion
         type(outcome_t), intent(out) :: outcome !! status, time reached and cost
         class(event_search_t), target, intent(inout), optional :: search !! search for events
-        class(stepper_t), allocatable, target :: method
         type(run_t), target :: run
         integer :: status
         logical :: ends
@@ -417,11 +418,9 @@ contains
         if (is_ok(outcome%status) .and. present(search)) outcome%status = search%check()
         if (.not. is_ok(outcome%status)) return
         ends = .false.
-        allocate (method, source=stepper)
-        method%formulation => formulation
-        method%t_end = t_end
-        run%method => method
-        run%stepper => method
+        call stepper%start_over(formulation, t_end)
+        run%method => stepper
+        run%stepper => stepper
         run%observer => observer
         if (present(search)) run%search => search
         run%samples => samples
@@ -433,9 +432,9 @@ contains
                 exit
             end if
             if (allocated(run%segments)) then
-                call run%segments%advance(method, run%stepper, status)
+                call run%segments%advance(stepper, run%stepper, status)
             else
-                call method%advance(status)
+                call stepper%advance(status)
             end if
             if (is_ok(status) .and. present(search)) then
                 call find_events_in_step(run, status, ends)
@@ -457,6 +456,7 @@ contains
             end if
         end if
         if (ends) outcome%t = search%t
+        call stepper%finish()
     end subroutine integrate
 
     !> Whether the caller of the library wants the run to stop; it is asked after some steps.
@@ -633,6 +633,7 @@ contains
         real(dp) :: middle
         logical :: sure
 
+        if (.not. t > self%t) return
         call go_to(self, t, y, sure)
         if (sure) return
         if (t - self%t <= max(shortest_pace * (stepper%t - stepper%t_last), 2 * spacing(t)) .or. stepper%is_spent()) then

@@ -1,7 +1,6 @@
 !> The interface of integrators: one step at a time through any formulation.
 !>
-!> A stepper contains its settings and the state of its run. `integrate` takes those with the settings as patterns, and
-!> runs a copy; so one serves all threads.
+!> A stepper contains its settings and the state of its run, of which there is one at a time: each thread has its own.
 module spintop_stepper
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_formulation, only: formulation_info_t, formulation_t, max_invariants, max_states, structure_none
@@ -140,6 +139,7 @@ module spintop_stepper
         !> Cost of the run so far.
         type(counts_t) :: counts = counts_t()
     contains
+        procedure :: start_over
         procedure :: evaluate
         procedure :: accept_step
         procedure :: accept_change
@@ -155,6 +155,7 @@ module spintop_stepper
         procedure(begin), deferred :: begin
         procedure(advance), deferred :: advance
         procedure(state_within), deferred :: state_within
+        procedure :: finish
         procedure :: states_within
         procedure :: bound_of_changes
         procedure, non_overridable :: interpolate
@@ -200,6 +201,26 @@ contains
         self%jacobians = self%jacobians + other%jacobians
         self%clipped = self%clipped + other%clipped
     end subroutine add
+
+    !> Makes ready for another run, from t = 0 to `t_end`.
+    subroutine start_over(self, formulation, t_end)
+        class(run_state_t), intent(inout) :: self
+        class(formulation_t), target, intent(in) :: formulation !! the equations of motion
+        real(dp), intent(in) :: t_end !! end of the span, s
+        self%formulation => formulation
+        self%t_begin = 0
+        self%t_end = t_end
+        self%t = 0
+        self%rest = 0
+        self%h = 0
+        self%grid = 0
+        self%counts = counts_t()
+    end subroutine start_over
+
+    !> Ends a run: a method that has something of another library, of which no copy may be made, gives it back.
+    subroutine finish(self)
+        class(stepper_t), intent(inout) :: self
+    end subroutine finish
 
     !> The state at a time within the last step.
     function interpolate(self, t) result(y)

@@ -3,8 +3,8 @@
 !> A violated triangle inequality is not refused here: Example 2 of the paper violates it about the centre of
 !> mass, and its equations have a solution.
 module spintop_validity
-    use spintop_kinds, only: dp, epsilon_dp, is_finite
-    use spintop_attitude, only: omega_from_rates, quaternion_from_angles
+    use spintop_kinds, only: dp, epsilon_dp, is_finite, pi
+    use spintop_attitude, only: quaternion_from_angles, vertical_from_quaternion
     use spintop_body, only: body_t
     use spintop_motion, only: motion_t
     use spintop_status, only: is_ok, status_bad_body, status_bad_start, status_non_finite, status_ok, status_unsuitable
@@ -78,6 +78,16 @@ contains
     pure integer function motion_status(motion, body) result(status)
         type(motion_t), intent(in) :: motion !! attitude and velocity at an instant
         type(body_t), intent(in), optional :: body !! the body that moves; without it its energy is not checked
+        real(dp) :: of_angles(4)
+        call check_motion(motion, body, of_angles, status)
+    end function motion_status
+
+    !> The status of a motion, and the quaternion of its angles.
+    pure subroutine check_motion(motion, body, of_angles, status)
+        type(motion_t), intent(in) :: motion
+        type(body_t), intent(in), optional :: body
+        real(dp), intent(out) :: of_angles(4)
+        integer, intent(out) :: status
         real(dp) :: length, along, allowed
         associate (q => motion%quaternion, angle => motion%angle, omega => motion%omega)
             status = status_non_finite
@@ -87,7 +97,8 @@ contains
             ! Squares of a quaternion that is not near a unit one might overflow.
             if (.not. abs(length - 1) < 0.5_dp) length = norm2(q)
             if (.not. length > 0) return
-            along = dot_product(q / length, quaternion_from_angles(angle))
+            of_angles = quaternion_from_angles(angle)
+            along = dot_product(q / length, of_angles)
             ! Large angles have large rounding errors.
             allowed = slack + 4 * epsilon_dp * (abs(angle(1)) + abs(angle(2)) + abs(angle(3)))
             ! The cosine of half of the rotation angle between them.
@@ -97,22 +108,27 @@ contains
             if (underflows(body, motion%omega)) return
         end if
         status = status_ok
-    end function motion_status
+    end subroutine check_motion
 
     !> The same for a start whose rates may be used: they must be finite except at a pole, and agree with the
     !> angular velocity except near a pole.
     pure integer function start_status(start, body) result(status)
         type(motion_t), intent(in) :: start !! attitude and angular velocity at the start
         type(body_t), intent(in) :: body !! the body that moves
-        real(dp) :: sine, difference(3), allowed
-        status = motion_status(start, body)
+        real(dp) :: of_angles(4), vertical(3), sine, difference(3), allowed
+        call check_motion(start, body, of_angles, status)
         if (.not. is_ok(status)) return
-        sine = abs(sin(start%angle(2)))
+        vertical = vertical_from_quaternion(of_angles)
+        sine = sqrt(vertical(1)**2 + vertical(2)**2)
+        if (.not. (start%angle(2) >= 0 .and. start%angle(2) <= pi)) sine = sign(sine, sin(start%angle(2)))
         if (.not. all(is_finite(start%rate))) then
-            if (sine > at_pole) status = status_non_finite
-        else if (sine > near_pole) then
+            if (abs(sine) > at_pole) status = status_non_finite
+        else if (abs(sine) > near_pole) then
             associate (rate => start%rate, omega => start%omega)
-                difference = omega_from_rates(start%angle, rate) - omega
+                ! phi' is about the vertical, theta' about the line of nodes, psi' about body z.
+                difference = rate(1) * vertical - omega
+                difference(1:2) = difference(1:2) + rate(2) / sine * [vertical(2), -vertical(1)]
+                difference(3) = difference(3) + rate(3)
                 allowed = slack + 4 * epsilon_dp * abs(start%angle(3))
                 ! Bounds of the norms, which take longer, mostly suffice.
                 if (sum(abs(difference)) <= allowed * max(abs(omega(1)), abs(omega(2)), abs(omega(3)))) return

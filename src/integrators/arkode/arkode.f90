@@ -121,6 +121,7 @@ module spintop_arkode
         procedure :: begin
         procedure :: advance
         procedure :: try_step
+        procedure :: finish
         procedure :: order
     end type arkode_t
 
@@ -228,6 +229,12 @@ contains
             table, merge(1_c_int, 0_c_int, self%current%adaptive), merge(1_c_int, 0_c_int, self%controls%fixed_point))
         if (c_associated(self%handle%address)) status = status_ok
     end subroutine begin
+
+    !> Frees what ARKODE keeps of the run.
+    subroutine finish(self)
+        class(arkode_t), intent(inout) :: self
+        if (allocated(self%handle)) deallocate (self%handle)
+    end subroutine finish
 
     !> One accepted step; rejected steps are counted.
     subroutine advance(self, status)

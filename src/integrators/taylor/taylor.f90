@@ -115,6 +115,9 @@ contains
         call self%evaluate(self%t, self%y, self%slope, status)
         self%degree = self%order()
         ! A run that goes on from within a step still needs the series of that step, which is of the same order.
+        if (allocated(self%coefficient)) then
+            if (ubound(self%coefficient, 2) /= self%degree) deallocate (self%coefficient)
+        end if
         if (.not. allocated(self%coefficient)) allocate (self%coefficient(max_states, 0:self%degree))
         ! Products of two variables are multiplied by a rate over a momentum at most, or by a torque.
         associate (n => self%weight%states, scale => self%formulation%scale)

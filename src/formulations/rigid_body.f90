@@ -320,10 +320,10 @@ contains
         real(dp), intent(in) :: t, y(max_states)
         integer, intent(in) :: order
         real(dp), intent(out) :: coefficient(max_states, 0:order)
-        real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:order)
+        real(dp) :: table(3, 0:3), law(5, 2), given(3, 0:max_series_order)
         integer(c_int) :: exists
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
-        if (self%kinds%given > 0) given = real(torque_series(self%body%effects, t, order), dp)
+        if (self%kinds%given > 0) given(:, :order) = real(torque_series(self%body%effects, t, order), dp)
         call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
         if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand

@@ -201,6 +201,8 @@ def test_runs_in_files(spin):
     error = spin.refuse(OTHERS + RUNS.replace("fast.csv", "none.csv"), **files)
     assert "run 2, none.csv: cannot read" in error
     assert "1 error" in error
+    error = spin.refuse(OTHERS + RUNS.replace("fast.csv", "slow.csv"), **files)
+    assert "run 2, slow.csv: the table is named twice" in error
     error = spin.refuse(OTHERS + RUNS.replace("'slow.csv'", "32*'slow.csv'"), **files)
     assert "too many values for data" in error
     for wrong in ("start_each(2,:) = 1, 2", "from(3) = 1"):

@@ -96,6 +96,9 @@ contains
                                                         escaped(file(index(file, '/', back=.true.) + 1:)) // ': '
             of_run = problems_t()
             call read_run(path_from(input, file), 'fit.data(' // to_text(i) // ')', scene, measured(i), of_run)
+            if (any(scene%data(:i - 1) == scene%data(i))) then
+                call of_run%add('fit.data(' // to_text(i) // ')', 'the table is named twice', 'each run counts once')
+            end if
             call problems%add_all(of_run, measured(i)%label)
         end do
         if (.not. problems%any()) call check_names(scene, measured, problems)

@@ -58,8 +58,9 @@ module spintop_fit_search
         real(dp) :: first_span = 0
     end type search_t
 
-    !> Periods of the motion between rows, and radians in all of them, beyond and below which the unit of time is doubted.
-    real(dp), parameter :: most_periods = 3, least_turn = 0.1_dp
+    !> Periods of the motion between rows beyond which turns are lost, and beyond which the unit of time is doubted where none
+    !> are measured: spins are slow in rows of a logger. Radians in all rows below which it is doubted.
+    real(dp), parameter :: most_periods = 3, many_periods = 30, least_turn = 0.1_dp
     !> A column turns if it scatters by this part of its measurements within these periods. It is lost if the start leaves this
     !> part in the first rows: turns that are not predicted leave more.
     real(dp), parameter :: turning = 0.5_dp, unexplained = 0.5_dp
@@ -376,7 +377,7 @@ contains
                 if (lost > 0) then
                     call problems%add(key, message // ', and the start does not predict the turns of ' // &
                                       trim(measured%columns(lost)%name), unit // '; or leave out the column')
-                else
+                else if (interval > many_periods * period) then
                     call problems%warn(key, message, unit)
                 end if
             else if (2 * pi * span < least_turn * period) then

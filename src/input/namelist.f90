@@ -411,6 +411,7 @@ contains
             return
         end if
         call reader%begin()
+        if (.not. reader%now%refused) call table%unset_twin(number, reader%now%row, reader%now%first, reader%now%last)
         rest = reader%scanner%rest()
         if (scan(adjustl(rest), quotes) /= 1 .and. (reader%parameter%kind == kind_text .or. &
                                                     (reader%parameter%kind == kind_real .and. names_a_unit(rest)))) then

@@ -47,7 +47,7 @@ module spintop_parameters
         !> `add(name, variable, what)` for logicals.
         generic :: add => add_real, add_reals, add_real_rows, add_integer, add_integers, add_long, &
             add_text, add_texts, add_flag
-        procedure :: find, find_group, find_number, is_given, locate, place_of
+        procedure :: find, find_group, find_number, is_given, locate, place_of, unset_twin
         procedure :: verify => verify_table
         procedure, private :: add_real, add_reals, add_real_rows, add_integer, add_integers, add_long
         procedure, private :: add_text, add_texts, add_flag
@@ -367,7 +367,19 @@ contains
         if (name(last + 1:) == degrees) number = self%find(name(:last))
     end function find_in_radians
 
-    !> The hint for a parameter in radians that is named as if it were in degrees; '' for other names.
+    !> Deletes elements of the other parameter for the same angles, that in radians or that in degrees: these have new values.
+    subroutine unset_twin(self, number, row, first, last)
+        class(parameter_table_t), intent(inout) :: self
+        integer, intent(in) :: number !! index of the parameter that has them
+        integer, intent(in) :: row, first, last !! row of the elements, and their columns
+        integer :: twin
+        twin = max(find_in_radians(self, self%parameters(number)%name), self%find(self%parameters(number)%name // degrees))
+        if (twin == 0) return
+        self%parameters(twin)%reals(row, first:last) = unset
+        self%parameters(twin)%places(row, first:last) = place_t()
+    end subroutine unset_twin
+
+    !> The hint for a parameter whose name has a unit, as `initial.phi_rate_deg`; '' for other names.
     function unit_hint(table, name) result(hint)
         class(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: name !! `group.key`

@@ -272,6 +272,21 @@ def test_a_changed_table_is_noticed(spin):
     assert spin(TABLE).head != head
 
 
+@each("given", "theta = 1.2", "theta_deg = 70", "theta = '70 deg'")
+@each("name, value", ("theta", 0.5), ("theta_deg", 30))
+def test_an_angle_is_replaced_in_any_unit(spin, given, name, value):
+    """An axis, a table of cases and a setting replace what the input has of the angle."""
+    start = FREE.replace("&initial\n", f"&initial psi_rate = 1 {given}\n") + NUTATION
+    text = start + f"&sweep parameter(1) = 'initial.{name}', values(1,:) = {value} /\n"
+    run = spin(text)
+    again = spin(run.head, name="again")
+    table = spin(start + "&sweep table = 'cases.csv' /\n", cases=f"initial.{name}\n{value}\n")
+    mass = "&sweep parameter(1) = 'top.mass', values(1,:) = 1 /\n"
+    override = spin(start + mass, f"initial.{name}={value}")
+    for rows in (run.rows, again.rows, table.rows, override.rows):
+        assert rows.theta_min[0] == pytest.approx(value if value < 1 else np.radians(value))
+
+
 TWO = "initial.theta,top.mass\n0.5,1\n"
 
 

@@ -305,11 +305,13 @@ contains
         type(axes_t), intent(in) :: axes !! the axes
         type(parameter_table_t) :: table
         character(:), allocatable :: problem
-        integer :: i
+        integer :: i, number, row, column
         allocate (self%scene, source=scene)
         call describe_scene(self%scene, table)
         allocate (self%slots(size(axes%axis)))
         do i = 1, size(self%slots)
+            call table%locate(axes%axis(i)%key, number, row, column, problem)
+            call table%unset_twin(number, row, column, column)
             call table%find_number(axes%axis(i)%key, self%slots(i), problem)
             self%slots(i)%size = axes%axis(i)%slot%size
         end do

@@ -1,6 +1,7 @@
 !> The command line of `spintop`: reads the arguments into a request.
 module spintop_command_line
     use spintop_errors, only: error_t, input_error, exit_codes
+    use spintop_files, only: file_exists
     use spintop_listing, only: topic_names
     use spintop_study, only: most_threads, options_t, shell_word
     use spintop_table_head, only: most_shards, read_shard
@@ -91,7 +92,8 @@ contains
     subroutine read_command_line(request, error)
         type(request_t), intent(out) :: request !! the request
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
-        character(:), allocatable :: argument
+        character(:), allocatable :: argument, hint
+        character(6), parameter :: commands(3) = [character(6) :: 'list', 'merge', 'verify']
         logical :: only_inputs
         integer :: i
 
@@ -108,8 +110,12 @@ contains
                 only_inputs = .true.
             else if (only_inputs .or. index(argument, '-') /= 1) then
                 if (size(request%inputs) == 0 .and. .not. only_inputs) then
-                    if (any(argument == [character(6) :: 'list', 'merge', 'verify'])) then
+                    hint = did_you_mean(argument, commands)
+                    if (any(argument == commands)) then
                         call read_command(argument, i, request, error)
+                        return
+                    else if (hint /= '' .and. .not. file_exists(argument)) then
+                        error = wrong("there is no input or command '" // argument // "'; " // hint)
                         return
                     end if
                 end if

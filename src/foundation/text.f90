@@ -95,6 +95,7 @@ contains
         if (len_trim(word) > 100) return
         least = max(1, (len_trim(word) + 1) / 3) + 1
         do i = 1, size(candidates)
+            if (abs(len_trim(word) - len(candidates(i)%text)) >= least) cycle
             found = edit_distance(lower_case(trim(word)), lower_case(candidates(i)%text))
             if (found < least .and. found < len(candidates(i)%text)) then
                 least = found

@@ -11,12 +11,13 @@ module spintop_parameters
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_diagnostics, only: place_t
     use spintop_errors, only: error_t, internal_error
-    use spintop_kinds, only: degree, dp
+    use spintop_kinds, only: dp
     use spintop_literals, only: read_subscript
     use spintop_number_slot, only: number_slot_t, parse_range
     use spintop_parameter, only: all_elements, any_elements, given, is_set, kind_integer, kind_real, &
         leading_elements, one_per_group, parameter_t, quoted, unset, unset_integer
     use spintop_text, only: did_you_mean, split, string_t, to_text
+    use spintop_units, only: find_unit
     implicit none
     private
     public :: parameter_table_t, unit_hint, unset, unset_integer, is_set, given, all_elements, leading_elements
@@ -311,6 +312,7 @@ contains
         integer, intent(out) :: number, row, column !! index of the parameter, row and column of the element, from 1
         character(:), allocatable, intent(out) :: problem !! what is wrong with the name, or ''
         type(string_t), allocatable :: subscripts(:), names(:)
+        character(:), allocatable :: hint
         integer :: open, last, i, values(2)
 
         problem = ''
@@ -325,12 +327,9 @@ contains
                 names(i)%text = self%parameters(i)%name
             end do
             problem = 'unknown parameter ' // quoted(name(:open - 1))
-            if (unit_hint(self, name(:open - 1)) /= '') then
-                problem = problem // '; ' // unit_hint(self, name(:open - 1))
-                return
-            end if
-            if (did_you_mean(name(:open - 1), names) /= '') problem = problem // '; ' &
-                // did_you_mean(name(:open - 1), names)
+            hint = unit_hint(self, name(:open - 1))
+            if (hint == '') hint = did_you_mean(name(:open - 1), names)
+            if (hint /= '') problem = problem // '; ' // hint
             return
         end if
 
@@ -383,15 +382,17 @@ contains
     function unit_hint(table, name) result(hint)
         class(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(*), intent(in) :: name !! `group.key`
-        character(:), allocatable :: hint
-        integer :: number
+        character(:), allocatable :: hint, unit, problem
+        real(dp) :: size
+        integer :: number, last
         hint = ''
-        number = find_in_radians(table, name)
+        last = index(name, '_', back=.true.)
+        number = table%find(name(:max(0, last - 1)))
         if (number == 0) return
-        associate (parameter => table%parameters(number))
-            if (index(parameter%unit, 'rad') /= 1) return
-            hint = quoted(parameter%key) // ' is in ' // parameter%unit // ': 1 ' // parameter%unit // ' = ' &
-                // to_text(1 / degree) // ' deg' // parameter%unit(4:)
+        associate (own => table%parameters(number)%unit)
+            call find_unit(name(last + 1:), own, unit, size, problem)
+            if (problem == '') hint = quoted(table%parameters(number)%key) // ' is in ' // own // ': 1 ' // own // ' = ' // &
+                                      to_text(1 / size) // ' ' // unit
         end associate
     end function unit_hint
 

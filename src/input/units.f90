@@ -7,7 +7,7 @@
 !> by the next word.
 module spintop_units
     use spintop_kinds, only: dp, pi
-    use spintop_text, only: append, join, lower_case, string_t, to_text
+    use spintop_text, only: append, join, lower_case, nearest_word, string_t, strings_of, to_text
     implicit none
     private
     public :: convert_unit, find_unit, suffixes_of, units_of, is_unit_word, own_spelling
@@ -76,6 +76,20 @@ contains
             if (lower_case(trim(words(i)%name)) == lower_case(word)) unit = trim(words(i)%name)
         end do
     end function meant_unit
+
+    !> The unit most similar to a word, also by its other names; '' if none is.
+    pure function similar_unit(word) result(unit)
+        character(*), intent(in) :: word
+        character(:), allocatable :: unit
+        type(string_t) :: names(size(words) + size(other_words))
+        integer :: i
+        names = strings_of([character(18) :: words%name, other_words])
+        do i = 1, size(names)
+            names(i)%text = names(i)%text(:index(names(i)%text // '=', '=') - 1)
+        end do
+        unit = nearest_word(word, names)
+        if (meant_unit(unit) /= '') unit = meant_unit(unit)
+    end function similar_unit
 
     !> The unit that other programs mean, in the words here: `deg/s` of `dps` and of a degree sign with `/sec`, `m/s^2` of `m/s2`,
     !> `g0` of `g` where an acceleration is wanted. What is not known stays as it is.
@@ -197,9 +211,18 @@ contains
     function units_of(wanted) result(text)
         character(*), intent(in) :: wanted !! the unit of the quantity
         character(:), allocatable :: text
+        character(*), parameter :: of_many(2) = [character(5) :: 'rad/s', 'm/s^2'] ! of which there are words, as rpm
         type(string_t), allocatable :: suffixes(:), units(:)
+        character(:), allocatable :: unit, problem
+        real(dp) :: factor
+        integer :: i
 
-        call suffixes_of(wanted, suffixes, units)
+        unit = wanted
+        do i = 1, size(of_many)
+            call convert_unit(wanted, trim(of_many(i)), factor, problem)
+            if (problem == '') unit = trim(of_many(i))
+        end do
+        call suffixes_of(unit, suffixes, units)
         if (size(units) == 0) call append(units, wanted)
         text = 'units are ' // join(units, ', ')
         if (wanted == '') text = 'write it without a unit'
@@ -261,6 +284,8 @@ contains
                 problem = "'" // name // "' is not a unit"
                 if (meant_unit(name) /= '') then
                     problem = problem // ': write ' // meant_unit(name)
+                else if (similar_unit(name) /= '') then
+                    problem = problem // "; did you mean '" // similar_unit(name) // "'?"
                 else
                     problem = problem // ' (' // unit_words // ' and products of these are)'
                 end if

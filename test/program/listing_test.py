@@ -157,6 +157,10 @@ def test_wrong_requests(spin, words, said):
     assert said in run.stderr
 
 
+def test_a_misspelt_command(spin):
+    assert "did you mean 'verify'?" in spin.call("verfy", "scene.csv", code=2).stderr
+
+
 def test_no_topic(spin):
     spin.call("list", "--json", "cases")
     alone = spin.call("list")

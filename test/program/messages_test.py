@@ -50,6 +50,7 @@ HINTS = {
         # Degrees where radians belong, and other units.
         ("initial.theta=20", "theta is out of range", "in [0, pi] rad; theta_deg takes degrees"),
         ("initial.phi_rate_deg=3", f"'phi_rate' {DEGREES}"),
+        ("initial.omega3_rpm=3", "'omega3' is in rad/s: 1 rad/s = 9.549296585513721 rpm"),
         ("output.columns=t,theta_rpm", "'theta_rpm': rpm is no unit of a quantity in rad"),
         ("output.columns=t,theta_rpm", "theta is in rad", "a suffix: _rad, _mrad, _deg, _mdeg"),
         ("output.columns=t,tetha", "there is no column 'tetha'", "did you mean 'theta'?"),
@@ -59,7 +60,7 @@ HINTS = {
         ("output.columns=t,theta_deg,theta_deg", "column 'theta_deg' is named twice"),
         ("initial.theta=20 rpm", "rpm is no unit of a quantity in rad", UNITS),
         ("top.mass=25,5 g", "not a number: 25,5 g", "decimals follow a point"),
-        ("initial.theta=20 dge", "'dge' is not a unit", UNITS),
+        ("initial.theta=20 dge", "'dge' is not a unit; did you mean 'deg'?", UNITS),
         ("initial.theta=20 kg m^2/s", "kg m^2/s is no unit of a quantity in rad", UNITS),
         # Keys and columns that are elsewhere, or need something.
         ("span.rtol=1e-9", "did you mean 'relative_tolerance' in group &integration?"),
@@ -91,6 +92,14 @@ HINTS = {
         ("sweep.from(1)=3 m", "omega3: m is no unit of a quantity in rad/s", OF_RATES),
         ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit", OF_RATES),
     ],
+        (
+            *(
+                "sweep.parameter(1)=initial.omega3_rpm; sweep.from(1)=3 g",
+                "quantity in rpm",
+                OF_RATES,
+            ),
+            "rpm, rps",
+        ),
     GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],

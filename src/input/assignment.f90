@@ -70,6 +70,8 @@ contains
             end if
             call self%scanner%peek(token)
             if (token%kind /= token_open) then
+                ! Values for several groups are told from a decimal comma by the subscript.
+                if (parameter%elements == one_per_group .and. now%group == 0) now%last = 1
                 if (now%rank == 2) call self%refuse(now%place, key // ' has rows', 'name one: ' // key // '(1,:) = ...')
                 return
             end if
@@ -190,9 +192,8 @@ contains
             if (now%count <= room .or. parameter%faulty) return
             hint = 'it takes ' // to_text(room) // ' values'
             if (room == 1) hint = 'it takes one value'
-            if (now%rank == 0 .and. parameter%kind == kind_real) hint = hint // '; ' // point_hint
-            if (room == 1 .and. now%rank > 0) hint = hint // '; several: ' &
-                // parameter%key // ' = ..., or ' // example(parameter%key, now%rank)
+            if (room == 1 .and. parameter%kind == kind_real) hint = hint // '; ' // point_hint
+            if (room == 1 .and. now%rank > 0) hint = hint // '; several: ' // example(parameter%key, now%rank)
             if (token%touches .and. parameter%kind == kind_text) then
                 hint = hint // '; a quote inside a text is written twice'
             end if

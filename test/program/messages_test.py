@@ -80,6 +80,7 @@ HINTS = {
             *("&sweep from(1) = '1 rpm', to(1) = 2, count(1) = 2 /", "from(1) has a unit, but"),
             "sweep.parameter(1) is not given",
         ),
+        ("sweep.from=0,5; sweep.parameter(1)=top.mass", "axis 2 has no", "decimals follow a point"),
         (DRAWN, "the logarithm of initial.phi_rate: a number without a unit"),
         (DRAGGED + AXIS.format("effects.drag_exponent", "1, 4"), "drag_exponent must be in [1, 3]"),
         (
@@ -91,7 +92,6 @@ HINTS = {
         ("sweep.from(1)='3 deg'", "omega3: deg is no unit of a quantity in rad/s", OF_RATES),
         ("sweep.from(1)=3 m", "omega3: m is no unit of a quantity in rad/s", OF_RATES),
         ("sweep.to(1)=3 rpn", "initial.omega3: 'rpn' is not a unit", OF_RATES),
-    ],
         (
             *(
                 "sweep.parameter(1)=initial.omega3_rpm; sweep.from(1)=3 g",
@@ -100,11 +100,16 @@ HINTS = {
             ),
             "rpm, rps",
         ),
+    ],
     GOOD.replace("psi_rate", "psi_rate_deg"): [("", f"'psi_rate' {DEGREES}")],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2 rpm"): [("", QUOTES)],
     GOOD.replace("psi_rate = 1.0", "psi_rate = 2rpm"): [("", QUOTES)],
     GOOD.replace("mass = 1.0", "mass = 25,5"): [
         ("", "too many values for mass", "it takes one value; decimals follow a point")
+    ],
+    GOOD[GOOD.index("&initial") :]
+    + 2 * "&part shape = 'point_mass' mass = 1 place = 0, 0, 1 /\n": [
+        ("part.mass=22,4", "too many values for mass", "decimals follow a point", "mass(2:3)")
     ],
     GOOD.replace("mass = 1.0", "mass = '25,5 g'"): [
         ("", "a comma in the number '25,5 g'", "decimals follow a point")

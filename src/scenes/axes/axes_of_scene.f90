@@ -134,7 +134,7 @@ contains
         if (axis%components > 1) axis%name = axis%name // '(' // to_text(axis%component) // ')'
         if (axis%name == '') then
             call problems%add(key_of(i, 'parameter'), called(i) // ' has no parameter', &
-                              'number the axes without gaps')
+                              'number the axes without gaps; decimals follow a point, as in 25.5')
             return
         end if
         call find_axis(axis, table, problem, hint)

@@ -363,7 +363,7 @@ contains
             measured%sigma = spread(scene%sigma(:given), 2, size(measured%t))
         else if (given > 0) then
             call problems%add('fit.sigma', to_text(given) // ' standard deviations for ' // to_text(size(columns)) // &
-                              ' columns', 'give one, or one per column')
+                              ' columns', 'give one, or one per column; decimals follow a point, as in 0.5')
             return
         end if
         do i = 1, size(columns)

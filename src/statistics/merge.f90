@@ -15,7 +15,7 @@ module spintop_merge
     use spintop_journaled_table, only: refuse_to_discard, stem_of, table_file_t
     use spintop_table_head, only: check_format, compare_heads, first_line_of, is_netcdf, read_head, read_shard_line, &
         shard_t, value_of
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: string_t, to_text
     implicit none
     private
     public :: merge_parts, merge_tables
@@ -105,9 +105,8 @@ contains
         integer(int64), intent(out) :: cases !! in the whole table
         type(error_t), allocatable, intent(out) :: error !! not allocated on success
         type(table_file_t) :: table
-        type(string_t), allocatable :: words(:)
         type(shard_t) :: shard
-        character(:), allocatable :: head
+        character(:), allocatable :: head, remarks
         integer, allocatable :: part_at(:)
         integer(int64) :: rows
         integer :: head_length, i
@@ -119,7 +118,7 @@ contains
             call merge_netcdf(path, parts, part_at, head, error)
             return
         end if
-        allocate (words(0))
+        remarks = ''
         call table%create(path, head, error)
         do i = 1, size(part_at)
             if (allocated(error)) exit
@@ -128,10 +127,11 @@ contains
             associate (part => parts(part_at(i))%text)
                 rows = shard%last(cases) - shard%first(cases) + 1
                 if (value_of('date', head) /= '') rows = -1 ! a case has any number of them
-                call copy_part(part, head_length, rows, table, words, error)
+                call copy_part(part, head_length, rows, table, remarks, error)
             end associate
         end do
-        if (.not. allocated(error)) call table%finish(words, error)
+        if (.not. allocated(error)) call table%append(remarks, error)
+        if (.not. allocated(error)) call table%finish([string_t ::], error)
         if (allocated(error)) call table%discard()
     end subroutine merge_tables
 
@@ -235,17 +235,17 @@ contains
 
     !> Adds the rows of a part to the table, and gathers the comment lines after them. A part that was cut or changed is
     !> refused, and so is one with another number of rows than expected.
-    subroutine copy_part(part, head_length, rows, table, words, error)
+    subroutine copy_part(part, head_length, rows, table, remarks, error)
         character(*), intent(in) :: part
         integer, intent(in) :: head_length
         integer(int64), intent(in) :: rows !! expected number of rows of the part; -1: any
         type(table_file_t), intent(inout) :: table
-        type(string_t), allocatable, intent(inout) :: words(:)
+        character(:), allocatable, intent(inout) :: remarks
         type(error_t), allocatable, intent(out) :: error
         type(input_file_t) :: file
         type(table_check_t) :: check
         character(:), allocatable :: block, passed, problem
-        integer :: length, of_head
+        integer :: length, of_head, comment
 
         of_head = head_length
         allocate (character(block_size) :: block)
@@ -256,7 +256,11 @@ contains
             call check%pass(block(:length), passed)
             length = min(of_head, len(passed))
             of_head = of_head - length
-            call append_lines(passed(length + 1:))
+            ! Rows, and comments, which come last.
+            comment = index(nl // passed(length + 1:), nl // '#')
+            if (comment == 0) comment = len(passed) - length + 1
+            call table%append(passed(length + 1:length + comment - 1), error)
+            remarks = remarks // passed(length + comment:)
         end do
         call file%close()
         if (allocated(error)) return
@@ -267,23 +271,6 @@ contains
             problem = part // ': it has ' // to_text(check%rows()) // ' complete rows, not ' // to_text(rows) // problem
         end if
         if (problem /= '') error = input_error('cannot merge ' // problem)
-
-    contains
-
-        !> Appends rows to the table, and comments to the words; these come last.
-        subroutine append_lines(lines)
-            character(*), intent(in) :: lines
-            integer :: first
-            first = index(nl // lines, nl // '#')
-            if (first == 0) first = len(lines) + 1
-            call table%append(lines(:first - 1), error)
-            do while (first <= len(lines))
-                length = index(lines(first:), nl)
-                call append(words, lines(first + len('# '):first + length - 2))
-                first = first + length
-            end do
-        end subroutine append_lines
-
     end subroutine copy_part
 
 end module spintop_merge

@@ -129,6 +129,7 @@ contains
         passed = text
         if (allocated(self%last)) passed = self%last // text
         break = index(passed(:len(passed) - 1), nl, back=.true.)
+        if (break == 0 .and. len(passed) > block_size) break = len(passed) ! no last line is so long
         self%last = passed(break + 1:)
         passed = passed(:break)
         call self%ending%add(passed)

@@ -235,15 +235,27 @@ MANY = """\
 """
 
 
+def spent(call, *words, **options):
+    """The time of the processor that a call takes, s."""
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    call(*words, **options)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def test_time_goes_with_the_comments(spin):
+    """A part with lines of comments behind its rows is refused in a time that goes with these."""
+    names = spin.parts(MANY.format(20), 2)
+    times = []
+    for lines in (40_000, 160_000):
+        with (spin.folder / names[0]).open("a") as part:
+            part.write("#\n" * lines)
+        times.append(spent(merge, spin, "all.csv", *names, code=2))
+    assert times[1] < 8 * times[0] + 0.1
+
+
 def test_time_goes_with_the_rows(spin):
     """Whoever finds what is wrong with a table takes four times as long for four times the rows."""
     axes = re.sub("&sweep.*", "&sweep table = 'output/scene.1-of-2.csv' /", MANY)
-
-    def spent(call, *words, **options):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
-        call(*words, **options)
-        return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
-
     times = []
     for cases in (60_000, 240_000):
         names = spin.parts(MANY.format(cases), 2, "--restart")

@@ -314,12 +314,11 @@ contains
         significant = 4
         if (present(digits)) significant = digits
         exponent = 0
-        if (value > 0 .and. value <= huge(value)) exponent = floor(log10(value))
+        if (abs(value) > 0 .and. abs(value) <= huge(value)) exponent = floor(log10(abs(value)))
         if (exponent < -6 .or. exponent > 12) then
-            write (buffer, '(ss, es10.3)') value
+            write (buffer, '(ss, es32.' // to_text(significant - 1) // ')') value
         else
-            write (buffer, '(ss, i0)') max(0, significant - 1 - exponent)
-            write (buffer, '(ss, f24.' // trim(buffer) // ')') value
+            write (buffer, '(ss, f32.' // to_text(max(0, significant - 1 - exponent)) // ')') value
         end if
         text = with_letter(trim(adjustl(buffer)))
         if (text(len(text):) == '.') text = text(:len(text) - 1)

@@ -1,6 +1,7 @@
 """Fits: true parameters from synthetic measurements, intervals that cover, what is refused."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -63,6 +64,16 @@ def test_exact_measurements_of_an_integrated_motion(spin, method, start):
     assert list(rows.estimate / TRUTH) == pytest.approx([1] * 3, abs=1e-6)
     assert ((rows.lower < rows.estimate) & (rows.estimate < rows.upper)).all()
     assert (rows.upper - rows.lower < 1e-5 * TRUTH).all()
+
+
+def test_small_estimates_keep_their_digits(spin):
+    """The summary has so many digits that the ends of an interval are others than the estimate."""
+    scene = TOP.replace("length", "damping = 3*3e-7, length")
+    fit = "&study kind = 'fit' /\n&fit data = 'data.csv', unknown = 'top.damping(3)' /\n"
+    said = spin(scene + fit, data=noisy(measure(spin, scene, ["omega3"]), 0, 1e-9)).out
+    numbers = re.search(r"damping\(3\) += (\S+) .*: (\S+) to (\S+)", said).groups()
+    estimate, lower, upper = map(float, numbers)
+    assert lower < estimate < upper
 
 
 def test_intervals_cover(spin):

@@ -28,6 +28,8 @@ module spintop_fit_study
     private
     public :: fit_study_t, residual_path, fit_columns
 
+    !> Digits of standard errors in the summary.
+    integer, parameter :: error_digits = 3
     !> Half the probability outside the intervals; the quantile that belongs to a known standard deviation.
     real(dp), parameter :: tail = 0.025_dp, normal_quantile = 1.9599639845400542_dp
 
@@ -280,7 +282,7 @@ contains
         character(*), intent(in) :: criterion, ending
         real(dp), intent(in) :: time
         type(summary_t), intent(inout) :: summary
-        character(:), allocatable :: interval, text
+        character(:), allocatable :: text
         integer :: i, m, n
 
         m = size(minimum%residuals)
@@ -293,11 +295,12 @@ contains
         call self%forecast(job, options, summary)
         call summary%describe_plan(job%plan)
         do i = 1, n
-            interval = ''
-            if (job%input%scene%fit%profile) interval = ', 95 %: ' // rounded(estimate%lower(i), 9) // ' to ' // &
-                                                  rounded(estimate%upper(i), 9)
-            call summary%add(self%sought%names(i)%text, ' = ' // rounded(estimate%x(i), 9) // ' +- ' // &
-                             rounded(estimate%standard_error(i), 3) // interval)
+            associate (error => estimate%standard_error(i))
+                text = ' = ' // as_exact(estimate%x(i), error) // ' +- ' // rounded(error, error_digits)
+                if (job%input%scene%fit%profile) text = text // ', 95 %: ' // as_exact(estimate%lower(i), error) // ' to ' // &
+                                                        as_exact(estimate%upper(i), error)
+            end associate
+            call summary%add(self%sought%names(i)%text, text)
         end do
         text = told_correlations(self%sought%names, estimate)
         if (text /= '') call summary%add('correlation', ' ' // text)
@@ -350,6 +353,18 @@ contains
         end do
         if (any(abs(r) > strong)) text = text // ', ' // counted(count(abs(r) > strong), 'more pair')
     end function told_correlations
+
+    !> A number down to the last digit of its standard error; with nine digits where there is none.
+    function as_exact(value, error) result(text)
+        real(dp), intent(in) :: value, error
+        character(:), allocatable :: text
+        integer :: digits
+        digits = 9
+        if (abs(value) > 0 .and. is_finite(value) .and. error > 0 .and. is_finite(error)) then
+            digits = error_digits + floor(log10(abs(value))) - floor(log10(error))
+        end if
+        text = rounded(value, min(max(digits, error_digits), 17))
+    end function as_exact
 
     !> A number with so many decimals.
     function fixed(value, decimals) result(text)

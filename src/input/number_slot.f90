@@ -34,7 +34,7 @@ module spintop_number_slot
 contains
 
     !> Sets the variable, if there is one. The value must have an empty `refusal`.
-    subroutine set(self, value)
+    impure elemental subroutine set(self, value)
         class(number_slot_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value that the variable gets, or would get
         if (associated(self%real_value)) then
@@ -45,7 +45,7 @@ contains
     end subroutine set
 
     !> The value of the variable; NaN if there is none.
-    real(dp) function get(self)
+    elemental real(dp) function get(self)
         class(number_slot_t), intent(in) :: self
         get = no_number
         if (associated(self%real_value)) then
@@ -62,7 +62,7 @@ contains
     end function is_whole
 
     !> Whether both are the same variable.
-    pure logical function is_same(self, other)
+    elemental logical function is_same(self, other)
         class(number_slot_t), intent(in) :: self
         type(number_slot_t), intent(in) :: other !! the other slot
         is_same = associated(self%real_value, other%real_value) &
@@ -70,7 +70,7 @@ contains
     end function is_same
 
     !> Whether the variable can have a value: it has no `refusal`.
-    pure logical function accepts(self, value)
+    elemental logical function accepts(self, value)
         class(number_slot_t), intent(in) :: self
         real(dp), intent(in) :: value !! the value that the variable gets, or would get
         accepts = is_finite(value) .and. self%range%contains(value * self%size)

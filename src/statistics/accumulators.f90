@@ -92,9 +92,7 @@ contains
         allocate (self%moments(columns, self%bin_count + 1))
         self%by_bin = by_bin
         allocate (self%sizes(columns))
-        do i = 1, columns
-            call self%sizes(i)%start(merge(bits_by_bin, bits_over_all, by_bin), merge(self%bin_count + 1, 1_int64, by_bin))
-        end do
+        call self%sizes%start(merge(bits_by_bin, bits_over_all, by_bin), merge(self%bin_count + 1, 1_int64, by_bin))
     end subroutine start
 
     !> Reads what was gathered in bins to which cases are to be added. Where these lie far apart in memory, reading them
@@ -155,15 +153,12 @@ contains
     subroutine merge_with(self, other)
         class(accumulators_t), intent(inout) :: self
         type(accumulators_t), intent(in) :: other !! accumulators that were started alike; their cases are others
-        integer :: i
 
         self%cases = self%cases + other%cases
         self%words = self%words + other%words
         self%failed = self%failed + other%failed
         call self%moments%merge_with(other%moments)
-        do i = 1, size(self%sizes)
-            call self%sizes(i)%merge_with(other%sizes(i))
-        end do
+        call self%sizes%merge_with(other%sizes)
         if (self%groups%factors > 0) call self%groups%merge_with(other%groups)
     end subroutine merge_with
 

@@ -86,7 +86,7 @@ module spintop_sobol_indices
 contains
 
     !> Starts without groups.
-    subroutine start(self, factors, groups)
+    impure elemental subroutine start(self, factors, groups)
         class(sobol_indices_t), intent(out) :: self
         integer, intent(in) :: factors !! number of factors
         integer(int64), intent(in) :: groups !! number of base points of the design
@@ -122,7 +122,7 @@ contains
     end subroutine add
 
     !> Adds the groups of another object that was started alike.
-    subroutine merge_with(self, other)
+    impure elemental subroutine merge_with(self, other)
         class(sobol_indices_t), intent(inout) :: self
         type(sobol_indices_t), intent(in) :: other !! sums over other groups of the same design
         self%added = self%added + other%added
@@ -213,12 +213,9 @@ contains
         integer, intent(in) :: factors !! number of factors of the design
         integer(int64), intent(in) :: groups !! number of groups of the whole design
         integer, intent(in) :: columns !! number of columns
-        integer :: i
         self%factors = factors
         allocate (self%indices(columns))
-        do i = 1, columns
-            call self%indices(i)%start(factors, groups)
-        end do
+        call self%indices%start(factors, groups)
         allocate (self%group(usual_room))
     end subroutine start_groups
 
@@ -249,9 +246,7 @@ contains
         type(case_groups_t), intent(in) :: other !! groups of other cases of the same design
         integer :: i, k, role
 
-        do i = 1, size(self%indices)
-            call self%indices(i)%merge_with(other%indices(i))
-        end do
+        call self%indices%merge_with(other%indices)
         do k = 1, other%unfinished
             call find_group(self, other%group(k)%base, i)
             associate (group => self%group(i), more => other%group(k))

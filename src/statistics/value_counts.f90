@@ -46,7 +46,7 @@ contains
 
     !> Starts with no values. A cell is 2**-bits wide relative to the values in it, or narrower: the relative error of a
     !> quantile, the middle of its cell, is at most half of that.
-    subroutine start(self, bits, bins)
+    impure elemental subroutine start(self, bits, bins)
         class(value_counts_t), intent(out) :: self
         integer, intent(in) :: bits !! 1 .. 20
         integer(int64), intent(in) :: bins !! number of bins
@@ -103,7 +103,7 @@ contains
     end subroutine add
 
     !> Adds the counts of others, of the same resolution.
-    subroutine merge_with(self, other, bin)
+    impure elemental subroutine merge_with(self, other, bin)
         class(value_counts_t), intent(inout) :: self
         type(value_counts_t), intent(in) :: other !! counts of other values, of the same resolution
         integer(int64), intent(in), optional :: bin !! where all of them are added; otherwise each is in its own bin

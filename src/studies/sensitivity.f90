@@ -117,8 +117,6 @@ contains
         integer, intent(out) :: key !! the index; 0 if there is a problem
         character(:), allocatable, intent(out) :: problem, hint !! what is wrong, and what to do; '' if nothing is
         type(sensitive_key_t) :: found
-        type(sensitive_key_t), allocatable :: more(:)
-        integer :: i
 
         key = 0
         call find_swept(name, table, found%slot, problem, hint)
@@ -131,11 +129,7 @@ contains
         end if
         if (problem /= '') return
         found%name = name
-        if (allocated(axes%axis)) then
-            do i = 1, size(axes%axis)
-                if (axes%axis(i)%slot%is_same(found%slot)) found%axis = i
-            end do
-        end if
+        if (allocated(axes%axis)) found%axis = findloc(axes%axis%slot%is_same(found%slot), .true., dim=1, back=.true.)
         if (found%axis == 0 .and. .not. is_set(found%slot%get())) then
             problem = name // ' has no value at which there could be a derivative'
             hint = 'give ' // name // ' in the input'
@@ -145,13 +139,10 @@ contains
             found%unit = trim(table%parameters(place)%unit)
         end associate
         if (.not. allocated(self%keys)) allocate (self%keys(0))
-        do key = 1, size(self%keys)
-            if (self%keys(key)%slot%is_same(found%slot)) return
-        end do
-        allocate (more(key))
-        more(:key - 1) = self%keys
-        more(key) = found
-        call move_alloc(more, self%keys)
+        key = findloc(self%keys%slot%is_same(found%slot), .true., dim=1)
+        if (key > 0) return
+        self%keys = [self%keys, found]
+        key = size(self%keys)
     end subroutine find_key
 
     !> Adds the derivative of a column; `is_new` tells whether it was not there yet.
@@ -248,9 +239,8 @@ contains
     type(nodes_t) function nodes(self, value)
         class(sensitive_key_t), intent(in) :: self
         real(dp), intent(in) :: value !! value of the key, in its unit
-        integer :: i
         nodes = nodes_around(value, keeps_sign=.not. self%slot%accepts(-value))
-        call nodes%limit_to([(self%slot%accepts(nodes%x(i)), i=1, size(nodes%x))])
+        call nodes%limit_to(self%slot%accepts(nodes%x))
     end function nodes
 
     !> The derivatives and their errors at each time: the motions at all nodes of a key belong together by their times.

@@ -109,14 +109,8 @@ contains
             residual = momentum_rate(body, motion%quaternion, motion%omega, motion%omega_rate) - loads%rate
             return
         end if
-        residual = body%inertia * motion%omega_rate &
-                   + cross(motion%omega, body%inertia * motion%omega) &
-                   + body%damping * motion%omega &
-                   - body%torque(vertical_from_quaternion(motion%quaternion))
-        if (body%has_products()) residual = body%momentum(motion%omega_rate) &
-                                            + cross(motion%omega, body%momentum(motion%omega)) &
-                                            + body%damping * motion%omega &
-                                            - body%torque(vertical_from_quaternion(motion%quaternion))
+        residual = body%momentum(motion%omega_rate) + cross(motion%omega, body%momentum(motion%omega)) &
+                   + body%damping * motion%omega - body%torque(vertical_from_quaternion(motion%quaternion))
     end function euler_residuals
 
     !> Tip of the axis in space axes: the unit vector from the pivot to the centre of mass, or

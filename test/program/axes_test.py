@@ -302,7 +302,7 @@ TWO = "initial.theta,top.mass\n0.5,1\n"
     ("initial.theta,study.kind\n1,1\n", ["cases.csv:1:15: ", "is not a number"]),
     ("initial.theta,sweep.seed\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
     ("initial.theta,sensor.offset(1)\n1,1\n", ["cases.csv:1:15: ", "cannot vary"]),
-    ("initial.theta,initial.theta\n1,1\n", ["cases.csv:1:15: ", "two columns"]),
+    ("initial.theta,initial.theta\n1,1\n", ["cases.csv:1:15: ", "on two axes"]),
     ("phi,top.inertia_tensor(1,2)\n1,1\n", ["cases.csv:1:5: ", "a comma parts the name"]),
     (TWO + "0.6\n", ["cases.csv:3:1: ", "the row ends before top.mass"]),
     (TWO + "0.6,1,2\n", ["cases.csv:3:7: ", "more cells than the table has columns"]),

@@ -127,7 +127,6 @@ contains
         type(problems_t), intent(inout) :: problems
         character(:), allocatable :: problem, hint
         logical :: found
-        integer :: k
 
         is_made = .false.
         axis%name = trim(scene%parameter(i))
@@ -137,16 +136,12 @@ contains
                               'number the axes without gaps; decimals follow a point, as in 25.5')
             return
         end if
-        call find_axis(axis, table, problem, hint)
+        call find_axis(axis, others, table, problem, hint)
         if (problem /= '') then
             call problems%add(key_of(i, 'parameter'), problem, hint)
             return
         end if
-        if (any([(others(k)%slot%is_same(axis%slot), k=1, size(others))])) then
-            call problems%add(key_of(i, 'parameter'), axis%name // ' is on two axes', 'vary it on one')
-        end if
         is_made = .true.
-        axis%whole = axis%slot%is_whole()
         if (law_of(scene, i) /= law_uniform) then
             call read_law(scene, i, axis, problems)
             return
@@ -435,8 +430,9 @@ contains
     end subroutine find_swept
 
     !> Finds the number of an axis by its name, which may end in a unit.
-    subroutine find_axis(axis, table, problem, hint)
+    subroutine find_axis(axis, others, table, problem, hint)
         type(axis_t), intent(inout) :: axis !! its name; it gets its key, slot and unit
+        type(axis_t), intent(in) :: others(:) !! those before it
         type(parameter_table_t), intent(in) :: table !! the parameters of an input
         character(:), allocatable, intent(out) :: problem, hint !! why it cannot vary, and what to do; '' if it can vary
         character(:), allocatable :: units
@@ -444,7 +440,11 @@ contains
         call find_in_unit(axis%name, table, axis%key, axis%unit, factor, units)
         call find_swept(axis%key, table, axis%slot, problem, hint)
         axis%slot%size = factor
+        axis%whole = axis%slot%is_whole()
         if (problem /= '' .and. units /= '') hint = units
+        if (problem /= '' .or. .not. any(others%slot%is_same(axis%slot))) return
+        problem = axis%name // ' is on two axes'
+        hint = 'vary it on one'
     end subroutine find_axis
 
     !> The key and the unit in a name: `initial.omega3_rpm` is the key initial.omega3 in rpm. Any other name is its own key.

@@ -74,7 +74,7 @@ contains
         type(axis_t), allocatable, intent(out) :: axis(:)
         type(diagnostics_t), intent(inout) :: diagnostics
         character(:), allocatable :: problem, hint
-        integer :: i, k
+        integer :: i
 
         allocate (axis(size(cases%names)))
         do i = 1, size(axis)
@@ -86,12 +86,7 @@ contains
                 allocate (axis(0))
                 return
             end if
-            call find_axis(axis(i), table, problem, hint)
-            axis(i)%whole = axis(i)%slot%is_whole()
-            if (any([(axis(k)%slot%is_same(axis(i)%slot), k=1, i - 1)])) then
-                problem = axis(i)%name // ' has two columns'
-                hint = 'give it one'
-            end if
+            call find_axis(axis(i), axis(:i - 1), table, problem, hint)
             if (problem == '') cycle
             if (axis(i)%name == '') problem = 'a column has no name'
             call cases%refuse(diagnostics, i, 0, problem, hint)
@@ -148,24 +143,16 @@ contains
         do i = 1, size(given)
             associate (axis => axes%axis(i))
                 axis%name = given(i)%name
-                call find_axis(axis, table, problem, hint)
-                if (any([(axes%axis(k)%slot%is_same(axis%slot), k=1, i - 1)])) then
-                    problem = axis%name // ' has two arrays'
-                    hint = 'give it one'
-                end if
+                call find_axis(axis, axes%axis(:i - 1), table, problem, hint)
                 if (problem /= '') then
                     call problems%add('sweep', problem, hint)
                     cycle
                 end if
-                axis%whole = axis%slot%is_whole()
                 axis%listed = given(i)%values
                 axis%count = size(axis%listed)
-                do k = 1, axis%count
-                    if (axis%slot%accepts(axis%listed(k))) cycle
-                    call problems%add('sweep', 'element ' // to_text(k) // ' of ' // axis%name // ' ' // &
-                                      axis%slot%refusal(axis%listed(k)), 'give a value in the range')
-                    exit
-                end do
+                k = findloc(axis%slot%accepts(axis%listed), .false., dim=1)
+                if (k > 0) call problems%add('sweep', 'element ' // to_text(k) // ' of ' // axis%name // ' ' // &
+                                             axis%slot%refusal(axis%listed(k)), 'give a value in the range')
             end associate
         end do
         if (problems%any()) return

@@ -322,12 +322,10 @@ contains
         class(case_scene_t), target, intent(inout) :: self
         real(dp), intent(in) :: values(:) !! one value for each axis
         integer, intent(in), optional :: first !! number of that axis; all are set if it is absent
-        integer :: i, begin
+        integer :: begin
         begin = 1
         if (present(first)) begin = first
-        do i = begin, size(self%slots)
-            call self%slots(i)%set(values(i))
-        end do
+        call self%slots(begin:)%set(values(begin:))
     end subroutine set_values
 
 end module spintop_sweep_axes

@@ -271,23 +271,21 @@ contains
         real(dp), intent(inout) :: x(:) !! values of the sought numbers, which change with what they describe
         logical, intent(in) :: runs(:) !! which of the runs
         real(dp) :: side
-        integer :: i, run
+        integer :: run
 
         do run = 1, size(runs)
             if (.not. runs(run)) cycle
             side = merge(-1, 1, self%is_mirrored(run))
             self%is_mirrored(run) = .not. self%is_mirrored(run)
             associate (places => self%sought%places(:, run), own => self%motions(run))
-                do i = 1, size(places)
-                    call own%slots(i)%set(x(places(i)))
-                end do
+                call own%slots%set(x(places))
                 associate (angle => own%scene%angle, degrees => own%scene%angle_deg, rate => own%scene%rate(2))
                     where (.not. is_set(degrees)) angle = given(angle)
                     where (is_set(angle)) angle = angle + side * [pi, 0.0_dp, pi]
                     where (is_set(degrees)) degrees = degrees + side * [180, 0, 180]
                     if (is_set(rate)) rate = -rate
                 end associate
-                x(places) = [(own%slots(i)%get(), i=1, size(places))]
+                x(places) = own%slots%get()
             end associate
         end do
         call forget(self)
@@ -401,10 +399,7 @@ contains
         class(fit_model_t), intent(in) :: self
         real(dp), intent(in) :: x(:)
         integer, intent(in) :: run
-        integer :: k
-        associate (places => self%sought%places(:, run))
-            accepts = all([(self%motions(run)%slots(k)%accepts(x(places(k))), k=1, size(places))])
-        end associate
+        accepts = all(self%motions(run)%slots%accepts(x(self%sought%places(:, run))))
     end function accepts
 
     !> Makes the case of a run with some values of the sought numbers.
@@ -413,11 +408,8 @@ contains
         real(dp), intent(in) :: x(:)
         integer, intent(in) :: run
         type(problems_t), intent(inout) :: problems
-        integer :: k
-        associate (own => self%motions(run), places => self%sought%places(:, run))
-            do k = 1, size(places)
-                call own%slots(k)%set(x(places(k)))
-            end do
+        associate (own => self%motions(run))
+            call own%slots%set(x(self%sought%places(:, run)))
             if (self%ties_inertia) own%scene%inertia(2) = own%scene%inertia(1)
             if (self%ties_damping) own%scene%damping(2) = own%scene%damping(1)
             call make_case(own%scene, own%case, problems)

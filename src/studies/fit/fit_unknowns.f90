@@ -8,6 +8,7 @@ module spintop_fit_unknowns
     use spintop_scene_keys, only: fit_scene_t, sensors_t
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: place_of
+    use spintop_sweep_axes, only: base_of
     use spintop_text, only: string_t, to_text
     implicit none
     private
@@ -123,11 +124,10 @@ contains
             hint = 'give one per file of fit.data'
             return
         end if
-        do i = 1, runs
-            if (key%slot%accepts(starts(i))) cycle
-            problem = 'start_each: ' // key%name // ' ' // key%slot%refusal(starts(i))
-            hint = 'give another value for run ' // to_text(i)
-        end do
+        i = findloc(key%slot%accepts(starts(:runs)), .false., dim=1)
+        if (i == 0) return
+        problem = 'start_each: ' // key%name // ' ' // key%slot%refusal(starts(i))
+        hint = 'give another value for run ' // to_text(i)
     end subroutine check_starts
 
     !> Arranges the numbers in their vector.
@@ -196,7 +196,7 @@ contains
         integer, intent(out) :: key !! its index
         character(:), allocatable, intent(out) :: problem, hint
         type(sensitive_key_t) :: found
-        character(:), allocatable :: column
+        character(:), allocatable :: column, own
         integer :: k, run
         logical :: is_measured(size(measured))
 
@@ -204,28 +204,20 @@ contains
         hint = 'name a measured column, as in offset.theta'
         found%name = name
         found%unit = ''
-        if (index(name, 'mounting(') == 1) then
-            found%unit = 'rad'
-        else if (index(name, 'lever_arm(') == 1) then
-            found%unit = 'm'
-        else if (name == 'offset.t') then
-            found%unit = 's'
-        else
+        if (index(name, '.') > 0 .and. name /= 'offset.t') then
             column = name(index(name, '.') + 1:)
+            is_measured = .true. ! a run that cannot be read was refused
             do run = 1, size(measured)
-                ! A run that cannot be read was refused.
-                is_measured(run) = .true.
                 if (.not. allocated(measured(run)%columns)) cycle
-                k = place_of(measured(run)%columns, column)
-                is_measured(run) = k > 0
-                if (k == 0) then
-                    k = findloc(measured(run)%columns%quantity() == column, .true., dim=1)
-                    if (k > 0) hint = 'write ' // name(:index(name, '.')) // trim(measured(run)%columns(k)%name)
-                end if
-                if (.not. is_measured(run)) cycle
-                if (index(name, 'offset.') == 1) then
-                    found%unit = trim(measured(run)%columns(k)%unit)
-                else if (measured(run)%turn(k) > 0) then
+                associate (columns => measured(run)%columns)
+                    k = place_of(columns, column)
+                    is_measured(run) = k > 0
+                    if (k == 0) k = findloc(columns%quantity() == column, .true., dim=1)
+                    if (.not. is_measured(run) .and. k > 0) hint = 'write ' // name(:index(name, '.')) // trim(columns(k)%name)
+                    if (.not. is_measured(run)) cycle
+                    if (index(name, 'offset.') == 1) found%unit = trim(columns(k)%unit)
+                end associate
+                if (index(name, 'scale.') == 1 .and. measured(run)%turn(k) > 0) then
                     problem = 'the turns of ' // column // ' are not known, and tell its scale'
                     hint = 'give sensor.scale: the readings of a turn over the turn'
                     return
@@ -239,12 +231,14 @@ contains
                 return
             end if
         end if
-        call job%input%table%find_number(key_of(name, job%input%scene%fit%sensors), found%slot, problem)
+        own = key_of(name, job%input%scene%fit%sensors)
+        call job%input%table%find_number(own, found%slot, problem)
         if (problem /= '') return
-        do key = 1, size(sought%keys)
-            if (sought%keys(key)%slot%is_same(found%slot)) return
-        end do
+        if (found%unit == '') found%unit = job%input%table%parameters(job%input%table%find(base_of(own)))%unit
+        key = findloc(sought%keys%slot%is_same(found%slot), .true., dim=1)
+        if (key > 0) return
         sought%keys = [sought%keys, found]
+        key = size(sought%keys)
     end subroutine find_sensor_number
 
 end module spintop_fit_unknowns

@@ -15,7 +15,7 @@ module spintop_statistics_choice
     use spintop_sweep_result, only: sweep_columns
     use spintop_sweep_worker, only: describe_columns
     use spintop_table_column, only: column_length, column_of_notes, column_of_words, status_column, table_column_t
-    use spintop_text, only: did_you_mean, string_t, to_text
+    use spintop_text, only: did_you_mean, to_text
     implicit none
     private
     public :: choose_statistics
@@ -118,7 +118,6 @@ contains
         character(*), intent(in) :: name, key
         type(problems_t), intent(inout) :: problems
         type(study_column_t) :: found
-        type(string_t), allocatable :: names(:)
         character(:), allocatable :: problem, hint
         integer :: i
 
@@ -135,14 +134,8 @@ contains
         else if (job%input%table%find(name(:index(name // '(', '(') - 1)) > 0) then
             call problems%add(key, name // ' is not swept', 'name a parameter of an axis, or a column')
         else
-            allocate (names(size(sweep_columns) + size(job%axes%axis)))
-            do i = 1, size(sweep_columns)
-                names(i)%text = trim(sweep_columns(i)%name)
-            end do
-            do i = 1, size(job%axes%axis)
-                names(size(sweep_columns) + i)%text = job%axes%axis(i)%name
-            end do
-            if (hint == '' .or. index(hint, 'did you mean') == 1) hint = did_you_mean(name, names)
+            if (hint == '' .or. index(hint, 'did you mean') == 1) hint = did_you_mean(name, [character(column_length) :: &
+                sweep_columns%name, (job%axes%axis(i)%name, i=1, size(job%axes%axis))])
             if (hint == '') hint = '`spintop list columns` shows them all'
             call problems%add(key, problem, hint)
         end if

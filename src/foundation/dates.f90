@@ -25,58 +25,45 @@ contains
         integer(int64), intent(out) :: day !! a number of the day
         real(dp), intent(out) :: seconds !! of the day; NaN if the cell is no instant
         character(:), allocatable :: clock, date
-        integer :: fields(3), parts, colon, status, sign_of_zone, zone, after
-        integer :: y, m, d
+        integer :: fields(3), parts, status, zone, at
 
         seconds = no_number
         day = 0
-        colon = index(cell, ':')
-        if (colon < 2) return
-        clock = trim(adjustl(cell(max(1, scan(cell(:colon), 'Tt _', back=.true.)):)))
-        if (scan(clock(1:1), 'Tt_') > 0) clock = clock(2:)
-        date = cell(:len_trim(cell) - len_trim(clock))
+        at = index(cell, ':')
+        if (at < 2) return
+        at = scan(cell(:at), 'Tt _', back=.true.)
+        clock = trim(cell(at + 1:))
+        date = cell(:verify(cell(:at), 'Tt _', back=.true.))
         if (date /= '') then
-            call read_fields(date(:verify(date, 'Tt _', back=.true.)), '-/.', fields, parts, status)
+            call read_fields(date, '-/.', fields, parts, status)
             if (status /= 0 .or. parts /= 3) return
-            if (fields(1) > 999) then
-                y = fields(1)
-                m = fields(2)
-                d = fields(3)
-            else if (fields(3) > 999 .and. scan(date, '.') > 0) then
-                y = fields(3)
-                m = fields(2)
-                d = fields(1)
-            else
-                return
-            end if
-            if (m < 1 .or. m > 12 .or. d < 1 .or. d > 31) return
-            ! The Julian day of Fliegel and van Flandern (1968).
-            day = 367_int64 * y - 7 * (y + (m + 9) / 12) / 4 - 3 * ((y + (m - 9) / 7) / 100 + 1) / 4 + 275 * m / 9 + d + 1721029
+            if (fields(1) < 1000 .and. scan(date, '.') > 0) fields = fields(3:1:-1)
+            associate (y => fields(1), m => fields(2), d => fields(3))
+                if (y < 1000 .or. m < 1 .or. m > 12 .or. d < 1 .or. d > 31) return
+                ! The Julian day of Fliegel and van Flandern (1968).
+                day = 367_int64 * y - 7 * (y + (m + 9) / 12) / 4 - 3 * ((y + (m - 9) / 7) / 100 + 1) / 4 + 275 * m / 9 + d + &
+                      1721029
+            end associate
         end if
         zone = 0
-        after = scan(clock, 'Z+-')
-        if (after > 0) then
-            if (clock(after:after) /= 'Z') then
-                sign_of_zone = merge(-1, 1, clock(after:after) == '-')
-                call read_fields(clock(after + 1:), ':', fields, parts, status)
+        at = scan(clock, 'Z+-')
+        if (at > 0) then
+            if (clock(at:at) /= 'Z') then
+                call read_fields(clock(at + 1:), ':', fields, parts, status)
                 if (status /= 0) return
                 if (parts == 1 .and. fields(1) > 99) fields(:2) = [fields(1) / 100, mod(fields(1), 100)]
-                zone = sign_of_zone * (60 * fields(1) + fields(2))
-            else if (after < len_trim(clock)) then
+                zone = merge(-1, 1, clock(at:at) == '-') * (60 * fields(1) + fields(2))
+            else if (at < len(clock)) then
                 return
             end if
-            clock = clock(:after - 1)
+            clock = clock(:at - 1)
         end if
-        after = scan(clock // '.', '.,')
-        call read_fields(clock(:after - 1), ':', fields, parts, status)
+        at = scan(clock // '.', '.,')
+        call read_fields(clock(:at - 1), ':', fields, parts, status)
         if (status /= 0 .or. parts /= 3 .or. fields(2) > 59 .or. fields(3) > 60) return
-        if (verify(clock(min(after + 1, len(clock) + 1):), digits) > 0) return
-        seconds = 0
-        if (after < len(clock)) then
-            clock = '0.' // clock(after + 1:)
-            read (clock, *, iostat=status) seconds
-        end if
-        if (status /= 0) seconds = no_number
+        clock = '0.' // clock(min(at, len(clock)) + 1:) // '0'
+        if (verify(clock(3:), digits) > 0) return
+        read (clock, *) seconds
         seconds = seconds + 3600.0_dp * fields(1) + 60 * fields(2) + fields(3) - 60.0_dp * zone
     end subroutine read_date
 

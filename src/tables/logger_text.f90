@@ -28,6 +28,8 @@ module spintop_logger_text
         !> What separates cells, and whether decimals have commas.
         character :: separator = ','
         logical :: has_commas = .false.
+        !> Whether there are no rows; nothing else is known then.
+        logical :: is_empty = .false.
         integer, private :: line_of_names = 0, line_of_units = 0
     contains
         procedure :: find_names
@@ -67,10 +69,8 @@ contains
             end do
         end do
         i = next_row(0)
-        if (i == 0) then
-            allocate (self%names(0), self%units(0), self%cells(0))
-            return
-        end if
+        self%is_empty = next_row(i) == 0
+        if (self%is_empty) return
         k = 1
         do while (index(lines(i)%text, separators(k)) == 0 .and. separators(k) /= ' ')
             k = k + 1
@@ -84,10 +84,8 @@ contains
         !> The line of the next row; 0 if there is none.
         integer function next_row(after)
             integer, intent(in) :: after
-            do next_row = after + 1, size(lines)
-                if (.not. is_comment(next_row)) return
-            end do
-            next_row = 0
+            next_row = after + findloc(is_comment(after + 1:), .false., dim=1)
+            if (next_row == after) next_row = 0
         end function next_row
 
         !> Whether a line has the names of the row or of the units in another line; if so, they are set.
@@ -328,22 +326,12 @@ contains
     pure subroutine split_unit(name, stem, unit)
         character(*), intent(in) :: name !! of a column of a file
         character(:), allocatable, intent(out) :: stem, unit !! the unit is '' if there is none
-        integer :: from, depth
+        integer :: from
 
         stem = name
         unit = ''
-        from = len(name)
-        if (scan(name(max(1, from):), ')]') > 0) then
-            ! The bracket that the last one closes.
-            depth = 0
-            do from = len(name), 1, -1
-                if (scan(name(from:from), ')]') > 0) depth = depth + 1
-                if (scan(name(from:from), '([') > 0) depth = depth - 1
-                if (depth == 0) exit
-            end do
-        else
-            from = max(index(name, ' / '), index(name, ', '))
-        end if
+        from = max(index(name, ' / '), index(name, ', '))
+        if (scan(name, ')]', back=.true.) == len(name)) from = scan(name, '([', back=.true.)
         if (from < 2) return
         unit = without_brackets(name(from:))
         stem = name(:verify(name(:from - 1), ' /,', back=.true.))

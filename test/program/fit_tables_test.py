@@ -244,7 +244,8 @@ def test_errors(spin, motion, kind):
     (lambda text: text[:-30], "the row ends before"),
     (lambda text: text.encode("utf-16"), "UTF-8"),
     (lambda text: text[text.index("\n") + 1 :], "has no column 'time'"),
-    (lambda text: "", "has no column 'time'"),
+    (lambda text: text[: text.index("\n")], "data.csv: the table has no rows"),
+    (lambda text: "", "data.csv: the table has no rows"),
 )
 def test_damage(spin, motion, change, message):
     """So has a file that was cut or is no table."""
@@ -252,6 +253,7 @@ def test_damage(spin, motion, change, message):
     error = spin.refuse(text, data=change(spell(motion, GYRO, "ms x y")))
     assert message in " ".join(error.split())
     assert "not measured" not in error
+    assert ("1 error\n" in error) == ("no column" not in message)
 
 
 def test_mapping_of_an_error(spin, motion):

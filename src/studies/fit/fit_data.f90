@@ -144,11 +144,13 @@ contains
 
         call read_logger_table(path, key, scene%columns, table, problems)
         if (problems%any()) return
-        call read_times(table, measured, error)
+        measured%time = column_named(table%names(table%clock)%text)
+        call table%read_column(trim(measured%time%name), measured%given_times, error)
         if (allocated(error)) then
             call problems%add(key, error%message, 'a row has a time: omit others')
             return
         end if
+        measured%t = measured%given_times * measured%time%size
         call check_times(escaped(path), key, scene, measured%t, problems)
         if (problems%any()) return
         call choose_columns(key, table, columns, problems)
@@ -175,20 +177,6 @@ contains
         call move_alloc(columns, measured%columns)
     end subroutine read_run
 
-    !> The times of the rows: the column `t`, or `t_ms` and the like.
-    subroutine read_times(table, measured, error)
-        type(logger_table_t), intent(in) :: table
-        type(measurements_t), intent(inout) :: measured
-        type(error_t), allocatable, intent(out) :: error
-        integer :: i
-
-        do i = 1, size(table%names)
-            if (is_time(column_named(table%names(i)%text))) measured%time = column_named(table%names(i)%text)
-        end do
-        call table%read_column(trim(measured%time%name), measured%given_times, error)
-        measured%t = measured%given_times * measured%time%size
-    end subroutine read_times
-
     !> Checks the times of the rows.
     subroutine check_times(path, key, scene, t, problems)
         character(*), intent(in) :: path, key
@@ -196,39 +184,28 @@ contains
         real(dp), intent(in) :: t(:)
         type(problems_t), intent(inout) :: problems
         real(dp), parameter :: slack = 1.01_dp
+        real(dp) :: steps(size(t) - 1), start
         integer :: i
 
-        if (size(t) == 0) then
-            call problems%add(key, path // ': the table has no rows', 'give measurements')
-            return
-        end if
         if (.not. all(is_finite(t))) then
             call problems%add(key, path // ': a time is not a number', 'omit the row')
             return
         end if
-        if (t(1) + scene%time_offset < 0) then
+        steps = t(2:) - t(:size(t) - 1)
+        start = t(1) + scene%time_offset
+        i = findloc(steps > 0, .false., dim=1)
+        if (start < 0) then
             call problems%add(key, path // ': a time is before the start of the motion at 0', 'shift the times, or give &
                 &fit.time_offset')
-            return
-        end if
-        if (size(t) > 1) then
-            if (scene%averaged > slack * minval(t(2:) - t(:size(t) - 1)) .and. minval(t(2:) - t(:size(t) - 1)) > 0) then
-                call problems%add('fit.averaged', 'the intervals of averages overlap', &
-                                  'average over the time between rows at most')
-                return
-            end if
-        end if
-        if (t(1) + scene%time_offset - scene%averaged / 2 < 0) then
+        else if (i > 0) then
+            call problems%add(key, path // ': the times do not increase: ' // to_text(t(i + 1)) // ' s is after ' // &
+                              to_text(t(i)) // ' s', 'sort the rows, one per time')
+        else if (scene%averaged / slack > minval(steps)) then
+            call problems%add('fit.averaged', 'the intervals of averages overlap', 'average over the time between rows at most')
+        else if (start - scene%averaged / 2 < 0) then
             call problems%add('fit.averaged', 'the first average begins before the start of the motion at 0', &
                               'average over less, shift the times, or give fit.time_offset')
-            return
         end if
-        do i = 2, size(t)
-            if (t(i) > t(i - 1)) cycle
-            call problems%add(key, path // ': the times do not increase: ' // to_text(t(i)) // ' s is after ' // &
-                              to_text(t(i - 1)) // ' s', 'sort the rows, one per time')
-            return
-        end do
     end subroutine check_times
 
     !> The measured columns: those named, or all but the time and standard deviations.

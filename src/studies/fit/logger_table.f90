@@ -42,10 +42,10 @@ module spintop_logger_table
         type(string_t), allocatable :: wanted(:)
         !> What the input may say of the columns, ready to be copied.
         character(:), allocatable :: mapping
+        !> The column of the times.
+        integer :: clock = 0
         type(source_t), allocatable, private :: sources(:)
         type(logger_text_t), private :: form
-        !> The column of the times.
-        integer, private :: clock = 0
     contains
         procedure :: read_column => read_in_own_unit
         procedure :: describe
@@ -79,6 +79,11 @@ contains
             return
         end if
         call table%form%find_names(text)
+        if (table%form%is_empty) then
+            call problems%add(key, escaped(path) // ': the table has no rows', &
+                              'expected a line of names, such as t,theta, and below it a row for each time')
+            return
+        end if
         call table%set_sources()
         call table%map_columns(escaped(path), key, columns, problems)
         if (problems%any()) return
@@ -143,11 +148,11 @@ contains
         do i = 1, size(self%sources)
             associate (source => self%sources(i))
                 if (source%is_mapped) cycle
-                problem = ''
                 found = column_named(base_of(source%name))
                 if (found%place > 0) source%stem = source%name
-                if (found%place == 0) found = column_named(base_of(source%stem))
+                found = column_named(base_of(source%stem))
                 if (found%place == 0) cycle
+                problem = ''
                 k = findloc([(self%sources(k)%size > 0 .and. self%sources(k)%column == source%stem, k=1, size(self%sources))], &
                             .true., dim=1)
                 if (k == 0 .and. is_time(found)) k = self%clock
@@ -174,6 +179,7 @@ contains
         type(study_column_t) :: found
         character(:), allocatable :: stem, unit
         real(dp) :: sizes(2)
+        logical, allocatable :: is_found(:)
         integer :: i, rule, place
 
         problem = ''
@@ -185,24 +191,25 @@ contains
             return
         end if
         call split_unit(right, stem, unit)
-        do rule = 1, 5
-            place = findloc([(is_meant(self%sources(i), rule), i=1, size(self%sources))], .true., dim=1)
-            if (place > 0) exit
+        do rule = 0, 4
+            is_found = [(is_meant(self%sources(i), rule), i=1, size(self%sources))]
+            if (any(is_found)) exit
         end do
+        place = findloc(is_found, .true., dim=1)
         if (place == 0) then
             problem = "the table has no column '" // right // "'"
-        else if (count([(is_meant(self%sources(i), rule), i=1, size(self%sources))]) > 1) then
+        else if (count(is_found) > 1) then
             problem = "the table has several columns '" // right // "'"
             hint = 'give the columns of the file different names'
-        else if (self%sources(place)%is_mapped .or. &
-                 any([(self%sources(i)%is_mapped .and. self%sources(i)%column == left, i=1, size(self%sources))])) then
+        else if (any([(self%sources(i)%is_mapped .and. (i == place .or. self%sources(i)%column == left), &
+                       i=1, size(self%sources))])) then
             problem = "'" // left // ' = ' // right // "' maps a column twice"
             hint = 'map it once'
         end if
         if (problem /= '') return
         associate (source => self%sources(place))
-            if (any(rule == [1, 2, 4])) unit = source%unit
-            if (rule == 5) then
+            if (mod(rule, 2) == 1 .or. rule == 0) unit = source%unit
+            if (rule == 4) then
                 call find_size(unit, found, sizes(1), problem)
                 if (problem /= '') return
                 call find_size(source%unit, found, sizes(2), problem)
@@ -223,18 +230,13 @@ contains
         logical function is_meant(source, rule)
             type(source_t), intent(in) :: source
             integer, intent(in) :: rule
-            select case (rule)
-            case (1)
-                is_meant = source%name == right
-            case (2)
-                is_meant = lower_case(source%name) == lower_case(right)
-            case (3)
-                is_meant = unit /= '' .and. lower_case(source%name) == lower_case(stem)
-            case (4)
-                is_meant = lower_case(source%stem) == lower_case(right)
-            case default
-                is_meant = unit /= '' .and. lower_case(source%stem) == lower_case(stem)
-            end select
+            character(:), allocatable :: own, written
+            own = source%name
+            if (rule > 2) own = source%stem
+            written = right
+            if (any(rule == [2, 4])) written = stem
+            is_meant = own == written .or. (rule > 0 .and. lower_case(own) == lower_case(written))
+            if (any(rule == [2, 4])) is_meant = is_meant .and. unit /= ''
         end function is_meant
 
     end subroutine map
@@ -269,19 +271,16 @@ contains
                 if (mark > 0 .and. problem == '') unit = source%name(mark + 1:)
                 problem = ''
             end if
-            if (unit == '') then
-                source%size = 1
-                if (source%is_mapped .and. found%unit /= '' .and. found%listed_as == '') then
-                    problem = "the unit of '" // source%name // "' is not known"
-                    hint = "write it, as in '" // name // ' = ' // source%name // ' (' // usual_unit(trim(found%unit)) // ")'"
-                end if
-            else
+            if (unit /= '') then
                 call find_size(unit, found, source%size, problem)
-                if (problem /= '') hint = "write its unit as in columns = '" // name // ' = ' // source%name // ' (' // &
-                                          usual_unit(trim(found%unit)) // ")'"
-                if (problem /= '') problem = "'" // source%name // "': " // problem
                 source%unit = own_spelling(unit, trim(found%unit))
+            else
+                source%size = 1
+                if (source%is_mapped .and. found%unit /= '' .and. found%listed_as == '') problem = 'its unit is not known'
             end if
+            if (problem == '') return
+            problem = "'" // source%name // "': " // problem
+            hint = "write it in the mapping, '" // name // ' = ' // source%name // ' (' // usual_unit(trim(found%unit)) // ")'"
         end associate
     end subroutine use_as
 
@@ -383,11 +382,12 @@ contains
         type(source_t), intent(in) :: source
         character(:), allocatable :: column
         character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
-        character(*), parameter :: units(3) = [character(5) :: 's', 'rad/s', 'm/s^2']
+        character(*), parameter :: units(3) = [character(5) :: 's', 'rad/s', 'm/s^2'], &
+            vectors(3) = [character(13) :: '', 'omega', 'accelerometer']
         character(len(source%stem) + 2) :: name
         character(:), allocatable :: problem
         real(dp) :: factor
-        integer :: i, axis, kind
+        integer :: i, kind
 
         name = ' ' // lower_case(source%stem)
         kind = 0
@@ -397,27 +397,17 @@ contains
         end do
         column = ''
         if (kind == 0) then
-            if (has(['time ', 'clock', 'stamp', 'secon', 'zeit ', 'datum', 'date ']) .or. is_date(source%cell)) then
-                kind = 1
-            else if (has(['gyr  ', 'omega', 'angul']) .or. scan(name(2:2), 'wg') > 0) then
-                kind = 2
-            else if (name(2:2) == 'a') then
-                kind = 3
-            else if (has(['theta', 'tilt ', 'incli'])) then
-                column = 'theta'
-                return
-            end if
+            if (has(['time ', 'clock', 'stamp', 'secon', 'zeit ', 'datum', 'date ']) .or. is_date(source%cell)) kind = 1
+            if (kind == 0 .and. name(2:2) == 'a') kind = 3
+            if (kind /= 1 .and. (has(['gyr  ', 'omega', 'angul']) .or. scan(name(2:2), 'wg') > 0)) kind = 2
+            if (kind == 0 .and. has(['theta', 'tilt ', 'incli'])) column = 'theta'
         end if
         if (kind == 1) column = 't'
         if (kind < 2) return
-        axis = 0
         do i = 2, len(name) - 1
             if (scan(name(i:i), 'xyz') == 0 .or. scan(name(i + 1:i + 1), letters) > 0) cycle
-            axis = index('xyz', name(i:i))
+            column = trim(vectors(kind)) // to_text(index('xyz', name(i:i)))
         end do
-        if (axis == 0) return
-        if (kind == 2) column = 'omega' // to_text(axis)
-        if (kind == 3) column = 'accelerometer' // to_text(axis)
 
     contains
 

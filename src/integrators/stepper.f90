@@ -11,6 +11,7 @@ module spintop_stepper
     implicit none
     private
     public :: stepper_t, method_info_t, controls_t, run_state_t, counts_t, looks_per_step, smallest_spacings, smallest_step
+    public :: name_of_method
     public :: projection_names, project_nothing, project_unit, project_invariants
 
     !> The admissible errors, prepared for a run.
@@ -42,10 +43,13 @@ module spintop_stepper
     !> Maximum number of corrections in one projection.
     integer, parameter :: most_corrections = 3
 
+    !> Most letters of the name of a method: of the registry, or of a file with a Butcher table.
+    integer, parameter :: name_of_method = 48
+
     !> Registry entry of a method.
     type :: method_info_t
         !> Name, as it stands in inputs.
-        character(20) :: name = ''
+        character(name_of_method) :: name = ''
         !> Short description.
         character(112) :: what = ''
         !> Order of convergence; 0 if it depends on the selected Butcher table.

@@ -119,6 +119,18 @@ def test_wrong_tables(spin, old, new, message):
     assert message in spin.refuse(FIXED)
 
 
+def test_the_length_of_a_name(spin):
+    """The name of a file is the name of its method: up to 42 bytes without the ending."""
+    name = "kutta_1901_three_eighths_rule_" + 12 * "x"
+    for path in (f"{name}.txt", f"{name}y.txt"):
+        spin.write(EIGHTHS, path)
+    run = spin(STUDY.format(f"'table:{name}.txt/lagrange', 'rk4'", "steps = 800"))
+    assert set(run.rows.method) == {f"table:{name}", "rk4"}
+    error = spin.refuse(FIXED.replace("own.txt", f"{name}y.txt"))
+    assert f"the name of the file is too long for a method: '{name}y'" in error
+    assert "at most 42 bytes, without its ending" in error
+
+
 def test_a_formulation_with_the_method_of_a_scene(spin):
     """A study that compares methods names pairs; a scene has another key for it."""
     spin.write(EIGHTHS, "own.txt")

@@ -16,7 +16,7 @@ module spintop_arkode
     use spintop_status, only: is_ok, status_integrator, status_non_finite, status_not_converged, status_ok, &
         status_outside, status_step_too_small
     use spintop_literals, only: read_real
-    use spintop_stepper, only: method_info_t, run_state_t, stepper_t
+    use spintop_stepper, only: method_info_t, name_of_method, run_state_t, stepper_t
     use spintop_text, only: lower_case, replace_all, split, string_t, to_text
     implicit none
     private
@@ -147,7 +147,7 @@ module spintop_arkode
     !> A table with the name of its method, as in tables, and the text of the input by which it is found.
     type :: tableau_t
         !> Name of its method.
-        character(20) :: name = ''
+        character(name_of_method) :: name = ''
         !> What stands for it in an input: the path of its file, and the checksum.
         character(256) :: key = ''
         !> Its coefficients.

@@ -434,9 +434,9 @@ contains
     subroutine summarize(self, summary)
         class(stability_study_t), intent(in) :: self
         type(summary_t), intent(inout) :: summary !! lines are added
+        integer, parameter :: width = 36
         character(:), allocatable :: text
-        character(36) :: name
-        integer :: i, k
+        integer :: i, k, length
 
         do k = 1, size(verdict_names)
             if (k == verdict_no_reference .and. all(self%verdicts(:, k) == 0)) cycle
@@ -444,13 +444,14 @@ contains
         end do
         do k = 1, size(self%verdicts, 1)
             associate (choice => self%choices(k))
-                name = choice%method%name
-                if (choice%formulation /= 'auto') name = trim(name) // '/' // choice%formulation
+                text = trim(choice%method%name)
+                if (choice%formulation /= 'auto') text = text // '/' // trim(choice%formulation)
             end associate
-            text = name
+            text = text // repeat(' ', max(1, width - len(text)))
+            length = len(text)
             do i = 1, size(verdict_names)
                 if (self%verdicts(k, i) == 0) cycle
-                if (len(text) > len(name)) text = text // ', '
+                if (len(text) > length) text = text // ', '
                 text = text // to_text(self%verdicts(k, i)) // ' ' // trim(verdict_names(i))
             end do
             call summary%add('', text)

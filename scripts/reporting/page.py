@@ -43,13 +43,17 @@ ALONE = {"--live": ("live.html", "live_main.js"), "--viewer": ("viewer.html", "m
 the Python package puts a motion."""
 
 
+TEXTS = re.compile(r'(?<=[>}])[^<>{}]+(?=[<{])|(?<=aria-label=")[^"{]+')
+"""Texts of a template between its tags, and those that are heard."""
+
+
 class SpokenTemplates(jinja2.FileSystemLoader):
     """Templates with the texts between their tags in the language that is spoken."""
 
     def get_source(self, *asked: object) -> tuple:
         """A template, where it is, and whether it is still the same."""
         source, *known = super().get_source(*asked)
-        return re.sub(r"(?<=[>}])[^<>{}]+(?=[<{])", lambda text: say(text[0]), source), *known
+        return TEXTS.sub(lambda text: say(text[0]), source), *known
 
 
 def render(template: str, script: str, **parts: object) -> str:

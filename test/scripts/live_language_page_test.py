@@ -1,4 +1,4 @@
-"""Tests of the words of the live top: one dictionary has them all, in each of its languages."""
+"""Tests of the words of the pages: one dictionary has them all, in each of its languages."""
 
 import re
 import unittest
@@ -11,7 +11,9 @@ from spintop_figures.tables.words import dictionary
 
 LANGUAGES = ["en", "de", "fr"]
 WORDS = dictionary()
-SCRIPTS = [*sorted((PAGE / "live").glob("*.js")), PAGE / "live_main.js", PAGE / "bar.js"]
+OF_REPORTS = ("account", "comparison", "main", "readout", "viewer", "stage/stage")
+SCRIPTS = [*(PAGE / f"{name}.js" for name in ("live_main", "bar", *OF_REPORTS))]
+SCRIPTS += sorted((PAGE / "live").glob("*.js"))
 SPOKEN = ("aria-label", "alt", "title", "placeholder")
 NAMES = {"spintop", "rad"}
 """Words that are not translated: the program, and a unit."""

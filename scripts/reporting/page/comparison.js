@@ -1,5 +1,6 @@
 // A second motion of the same scene on the stage, as a ghost, and the angles between the two.
 
+import { say } from "./live/language.js";
 import { Pair } from "./pair.js";
 import { Plot } from "./plot.js";
 import { inFewDegrees, inShort } from "./text.js";
@@ -18,7 +19,7 @@ export class Comparison {
     Object.assign(this, { parts, motion, peers, onChange });
     this.plot = new Plot(parts.between, onPick);
     parts.versus.hidden = peers.length === 0;
-    parts.peer.append(new Option("none", NONE), ...peers.map(({ title }, i) => new Option(title, String(i))));
+    parts.peer.append(new Option(say("figure_none"), NONE), ...peers.map(({ title }, i) => new Option(title, String(i))));
     parts.peer.addEventListener("change", () => this.choose(parts.peer.value));
   }
 
@@ -50,9 +51,9 @@ export class Comparison {
       { t: times, values: inDegrees(attitudes), colour: "momentum" },
     ], { range: [0, inDegrees([1.05 * largest || 1])[0]] });
     const when = inShort(times[attitudes.indexOf(largest)]);
-    const how = hasRows ? "" : " The second motion is interpolated between its rows.";
-    parts.farthest.textContent = `Largest at rows: ${inFewDegrees(largest)} at t = ${when} s.${how}`;
-    parts.between.setAttribute("aria-label", `Angle between the attitudes against time, up to ${inFewDegrees(largest)}`);
+    const angle = inFewDegrees(largest);
+    parts.farthest.textContent = say("between_largest", { angle, when }) + (hasRows ? "" : say("between_rows"));
+    parts.between.setAttribute("aria-label", say("between_label", { angle }));
   }
 
   /** Bring the numbers up to a moment. */

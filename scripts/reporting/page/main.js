@@ -1,10 +1,10 @@
 // The page's script: has tables saved, and gives every trajectory its moving top.
 
+import { momentOf } from "./account.js";
 import { bindDownload, columnsOf, textOf } from "./data.js";
 import { LiveTop } from "./live/live.js";
 import { stateOfLink } from "./live/scene.js";
 import { Motion } from "./motion.js";
-import { inDegrees, inShort } from "./text.js";
 import { Viewer } from "./viewer.js";
 
 const [WIDTH, HEIGHT] = [960, 640]; // pixels of a still on paper
@@ -41,13 +41,10 @@ addEventListener("beforeprint", () => {
     viewer.stage.recolour();
     const { address, moment } = viewer.still(WIDTH, HEIGHT);
     if (!address) continue;
-    const [phi, theta, psi] = moment.angles.map((angle) => inDegrees(angle, 1));
     const still = viewer.parts.still.querySelector("img") ?? document.createElement("img");
-    Object.assign(still, { src: address, alt: `The top at t = ${inShort(moment.time)} s` });
+    Object.assign(still, { src: address, alt: momentOf("still_at", moment) });
     viewer.parts.still.prepend(still);
-    viewer.parts.moment.textContent =
-      `The top at t = ${inShort(moment.time)} s: φ = ${phi}, θ = ${theta}, ψ = ${psi}. ` +
-      "The trace of its tip up to then; the older, the fainter.";
+    viewer.parts.moment.textContent = momentOf("still_words", moment);
   }
   delete document.documentElement.dataset.paper;
   for (const viewer of viewers) viewer.stage.recolour();

@@ -1,6 +1,7 @@
 // The numbers of a moment: angles as they stand in the table, rates, angular velocity, energies.
 
 import { extremesOf } from "./dynamics/numbers.js";
+import { say } from "./live/language.js";
 import { aligned, decimalsFor, inDegrees, inFull, withDecimals } from "./text.js";
 
 const ANGLES = ["phi", "theta", "psi"];
@@ -42,6 +43,6 @@ export class Readout {
       parts[["kinetic", "potential", "energy"][k]].textContent = withDecimals(value, decimals.energies);
     });
     const number = Math.min(row * motion.stride, motion.total - 1) + 1;
-    parts.row.textContent = `${isOfTable ? "row" : "after row"} ${number} of ${motion.total}`;
+    parts.row.textContent = say(isOfTable ? "row_of" : "row_after", { number, total: motion.total });
   }
 }

@@ -78,35 +78,6 @@ export function minus(text) {
   return (Number(text) === 0 ? text.replace("-", "") : text.replaceAll("-", "\u2212")).replace(".", mark);
 }
 
-/** What one would see, for those who do not. */
-export function accountOf(motion) {
-  const [phi, psi] = [0, 2].map((k) => motion.column("angles", k));
-  const { theta: [low, high], force, momentum, omega } = motion.extremes;
-  const words = [
-    `From t = ${inShort(motion.start)} s to ${inShort(motion.end)} s the inclination θ stays between`,
-    `${inDegrees(low, 2)} and ${inDegrees(high, 2)}.`,
-  ];
-  if (motion.countsTurns) {
-    words.push(
-      `Precession φ goes from ${inDegrees(phi[0], 1)} to ${inDegrees(phi.at(-1), 1)},`,
-      `spin ψ from ${inDegrees(psi[0], 1)} to ${inDegrees(psi.at(-1), 1)}.`,
-    );
-  }
-  const longest = [
-    force && `support force ${inShort(force)} N`,
-    momentum && `angular momentum ${inShort(momentum)} J s`,
-    omega && `angular velocity ${inShort(omega)} rad/s`,
-  ].filter(Boolean);
-  if (longest.length) words.push(`Longest arrows: ${longest.join(", ")}.`);
-  return words.join(" ");
-}
-
-/** Where the motion is, in a sentence to be spoken. */
-export function momentOf({ time, angles }) {
-  const [phi, theta, psi] = angles.map((angle) => inDegrees(angle, 1));
-  return `t ${inShort(time)} seconds, phi ${phi}, theta ${theta}, psi ${psi}`;
-}
-
 /** Put a copy of a template in an element; what of it has a `data-part`, by these names. */
 export function fillIn(element, template) {
   element.append(template.content.cloneNode(true));

@@ -1,12 +1,14 @@
 // One moving top with its controls, wired together.
 
+import { accountOf, momentOf } from "./account.js";
 import { Bar } from "./bar.js";
 import { Comparison } from "./comparison.js";
+import { say } from "./live/language.js";
 import { Player } from "./player.js";
 import { Plot, forgetColours } from "./plot.js";
 import { Readout } from "./readout.js";
 import { Stage } from "./stage/stage.js";
-import { accountOf, fillIn, inShort, momentOf } from "./text.js";
+import { fillIn, inShort } from "./text.js";
 
 const QUIET = 600; // ms without a change before it is announced
 const NEAR = "300px"; // tops that far from the screen are prepared
@@ -44,7 +46,7 @@ export class Viewer {
     parts.notes.replaceChildren(
       ...motion.notes.map((note) => Object.assign(document.createElement("li"), { textContent: note })),
     );
-    parts.stage.setAttribute("aria-label", `The top in space: ${motion.title}`);
+    parts.stage.setAttribute("aria-label", `${say("stage")}: ${motion.title}`);
     parts.time.max = motion.count - 1;
     parts.time.addEventListener("input", () => this.#goTo(Number(parts.time.value)));
     for (const name of ["trace", ...VECTORS]) {
@@ -138,7 +140,7 @@ export class Viewer {
     clearTimeout(this.#announcing);
     if (this.player.playing) return;
     this.#announcing = setTimeout(() => {
-      this.parts.live.textContent = momentOf(this.motion.at(this.player.time));
+      this.parts.live.textContent = momentOf("moment", this.motion.at(this.player.time));
     }, QUIET);
   }
 }

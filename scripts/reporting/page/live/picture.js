@@ -4,7 +4,6 @@ import { Quaternion } from "three";
 import { measure } from "../stage/body.js";
 import { Stage } from "../stage/stage.js";
 import { unitsOf } from "../stage/view.js";
-import { say } from "./language.js";
 import { drawingOf } from "./track.js";
 
 const VECTORS = { momentum: "momentum", omega: "omegaSpace", force: "force", torque: "torque", change: "change" };
@@ -39,7 +38,7 @@ export class Picture {
   /** @param parts of the live top @param calm whether less motion is asked for */
   constructor(parts, calm) {
     this.parts = parts;
-    this.stage = new Stage(parts.stage, { calm, words: { release: say("hold_on"), hold: say("hold_off"), lack: say("no_webgl") } });
+    this.stage = new Stage(parts.stage, { calm });
     for (const name of ["body_shown", "cones", ...PARTS]) parts[name].addEventListener("change", () => this.#showParts());
   }
 

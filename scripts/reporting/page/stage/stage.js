@@ -6,15 +6,11 @@ import { OrbitControls } from "three/addons/controls/OrbitControls.js";
 import { Line2 } from "three/addons/lines/Line2.js";
 import { LineGeometry } from "three/addons/lines/LineGeometry.js";
 import { LineMaterial } from "three/addons/lines/LineMaterial.js";
+import { say } from "../live/language.js";
 import { Arrow, makeBody } from "./body.js";
 import { Trace } from "./trace.js";
 import { countPanes, placePanes, unitsOf, viewOf } from "./view.js";
 
-const WORDS = {
-  release: "Tap outside to scroll again",
-  hold: "Tap to turn the top",
-  lack: "The top is not shown in space: this browser has no WebGL.",
-};
 const TAP = 10; // pixels that a finger may move in a tap
 const FIRST_VIEW = new THREE.Vector3(Math.cos(-1.05), Math.sin(-1.05), Math.tan(0.32)).normalize(); // to the eye
 const FIELD = 32; // degrees
@@ -88,11 +84,9 @@ export class Stage {
   /**
    * @param element what holds the stage; its colours are those of the style that holds for it
    * @param calm whether less motion is asked for
-   * @param words for fingers, while they turn the tops and while they do not, and without WebGL
    */
-  constructor(element, { calm = false, words = WORDS } = {}) {
+  constructor(element, { calm = false } = {}) {
     this.element = element;
-    this.words = words;
     this.camera = new THREE.PerspectiveCamera(FIELD, 1);
     this.camera.up.set(0, 0, 1);
     this.controls = Object.assign(new OrbitControls(this.camera), { enablePan: false, rotateSpeed: calm ? 0.6 : 0.9 });
@@ -142,7 +136,7 @@ export class Stage {
   hold(on) {
     this.element.dataset.held = on ? "yes" : "no";
     this.hint.hidden = false;
-    this.hint.textContent = on ? this.words.release : this.words.hold;
+    this.hint.textContent = say(on ? "hold_on" : "hold_off");
     if (on) this.element.focus({ preventScroll: true });
   }
 
@@ -330,7 +324,7 @@ export class Stage {
     canvas.setAttribute("aria-hidden", "true");
     const context = canvas.getContext("webgl2", { antialias: true });
     if (!context) {
-      this.hint.textContent = this.words.lack;
+      this.hint.textContent = say("no_webgl");
       this.hint.hidden = false;
       return;
     }

@@ -14,17 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from spintop.inputs import (
-    Input,
-    check_groups,
-    is_list,
-    names_in,
-    numbers,
-    plain,
-    read_input,
-    thread_count,
-    without_places,
-)
+from spintop import inputs
 from spintop.library import PROGRESS, InputError, ask, library
 from spintop.results import Figures, Result
 
@@ -91,7 +81,7 @@ def show(share: float) -> None:
 
 
 def run(
-    given: Input,
+    given: inputs.Input,
     *,
     columns: str | Sequence[str] | None = None,
     folder: str | Path | None = None,
@@ -110,31 +100,31 @@ def run(
 
 
 def run_input(
-    given: Input, folder: str | Path | None, threads: int, progress: Progress, *paths: str
+    given: inputs.Input, folder: str | Path | None, threads: int, progress: Progress, *paths: str
 ) -> Result:
     """Run an input; messages of one by groups have no places in a text, and no paths of files."""
-    text, name = read_input(given)
+    text, name = inputs.read_input(given)
     where = None if folder is None else str(folder)
-    with without_places(given, *paths):
-        place = call("run", text, name, where, thread_count(threads), progress=progress)
+    with inputs.without_places(given, *paths):
+        place = call("run", text, name, where, inputs.thread_count(threads), progress=progress)
     result = Result(place, name)
     if isinstance(given, Mapping):
-        result.warnings = plain(result.warnings, *paths)
+        result.warnings = inputs.plain(result.warnings, *paths)
     return result
 
 
-def with_columns(given: Input, columns: str | Sequence[str] | None) -> Input:
+def with_columns(given: inputs.Input, columns: str | Sequence[str] | None) -> inputs.Input:
     """An input of groups with columns in its group `output`."""
     if columns is None:
         return given
     if not isinstance(given, Mapping):
         message = "columns are an argument for a dictionary: here they are the key output.columns"
         raise InputError(message, code=2)
-    return {**given, "output": {**given.get("output", {}), "columns": names_in(columns)}}
+    return {**given, "output": {**given.get("output", {}), "columns": inputs.names_in(columns)}}
 
 
 def sweep(
-    given: Input,
+    given: inputs.Input,
     parameters: Mapping[str, ArrayLike],
     *,
     columns: str | Sequence[str] | None = None,
@@ -152,15 +142,17 @@ def sweep(
     study = given.get("study", {}) if isinstance(given, Mapping) else None
     if isinstance(study, Mapping):
         given = {**given, "study": {"kind": "sweep", **study}}
-    text, name = read_input(given)
-    named = {name: np.atleast_1d(numbers(values, name)) for name, values in parameters.items()}
+    text, name = inputs.read_input(given)
+    named = {
+        name: np.atleast_1d(inputs.numbers(values, name)) for name, values in parameters.items()
+    }
     try:
         arrays = [np.ascontiguousarray(array) for array in np.broadcast_arrays(*named.values())]
     except ValueError as error:
         raise InputError(f"the arrays have different shapes: {error}", code=2) from error
     grid = grid_of(named, arrays[0].shape) if arrays and arrays[0].ndim > 1 else None
-    count, threads = arrays[0].size if arrays else 0, thread_count(threads)
-    with without_places(given):
+    count, threads = arrays[0].size if arrays else 0, inputs.thread_count(threads)
+    with inputs.without_places(given):
         axes = dict(zip(parameters, arrays, strict=True))
         return Result(call("sweep", text, axes, count, threads, progress=progress), name, grid)
 
@@ -260,21 +252,24 @@ def fit(
     the residuals. `progress` and Ctrl-C are as for `run`; the share grows with starts and
     intervals.
     """
-    runs = [*data] if is_list(data) else [data]
-    named = [each for each in sigma if isinstance(each, Mapping)] if is_list(sigma) else []
+    runs = [*data] if inputs.is_list(data) else [data]
+    named = [each for each in sigma if isinstance(each, Mapping)] if inputs.is_list(sigma) else []
     by_run = named or [sigma] * len(runs)
     if len(by_run) != len(runs):
         raise InputError(f"sigma: {len(by_run)} for {len(runs)} runs", code=2)
-    check_groups(given, "given")
+    inputs.check_groups(given, "given")
     mapped = columns if isinstance(columns, Mapping) else {}
     tables = [measurements(*each, mapped) for each in zip(runs, by_run, strict=True)]
     known = None if named or isinstance(sigma, Mapping) else sigma
     own: dict[str, Any] = {"data": (), "sigma": known, "profile": profile}
-    own |= {"unknown": names_in(unknown) or None, "unknown_each": names_in(unknown_each) or None}
+    own |= {
+        "unknown": inputs.names_in(unknown) or None,
+        "unknown_each": inputs.names_in(unknown_each) or None,
+    }
     own["start_each"] = [*unknown_each.values()] if isinstance(unknown_each, Mapping) else None
     if columns is not None:
         pairs = (f"{name} = {source}" for name, source in mapped.items())
-        own["columns"] = tuple(pairs) if mapped else names_in(columns)
+        own["columns"] = tuple(pairs) if mapped else inputs.names_in(columns)
     scene = {name.lower(): keys for name, keys in given.items()}
     study, others = (
         {key.lower(): value for key, value in scene.get(name, {}).items()}
@@ -307,14 +302,14 @@ def readings(values: ArrayLike, name: str, is_time: bool, takes_words: bool) -> 
         return array / np.timedelta64(1, "s")
     if array.dtype.kind in "OU" and (takes_words or hasattr(next(array.flat, 0), "isoformat")):
         return np.array([quoted(each) for each in array.flat]).reshape(array.shape)
-    return numbers(values, name)
+    return inputs.numbers(values, name)
 
 
 def measurements(
     data: Measurements, sigma: Any, mapped: Mapping[str, str]
 ) -> dict[str, np.ndarray]:
     """The columns of a run, of one length, and those of deviations given by their names."""
-    check_groups(data, "data")
+    inputs.check_groups(data, "data")
     given = dict(data.items())
     time = find_column(given, "t", "s")[0] or find_column(mapped, "t", "s")[0]
     if not time and np.asanyarray(getattr(data, "index", 0)).dtype.kind in "mMO":
@@ -340,7 +335,7 @@ def measurements(
             raise InputError(f"sigma: {name} is not measured", code=2)
         if name not in sigma:
             raise InputError(f"sigma: that of {name} is missing", code=2)
-        values = numbers(sigma[name], f"sigma of {name}")
+        values = inputs.numbers(sigma[name], f"sigma of {name}")
         if values.shape not in ((), shape):
             raise InputError(f"sigma: {name} has the shape {values.shape}", code=2)
         columns[f"{name}_sigma"] = np.broadcast_to(values, shape)

@@ -9,18 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from spintop import inputs
 from spintop.animation import Animation
-from spintop.inputs import (
-    Group,
-    check_groups,
-    frozen,
-    namelist,
-    names_in,
-    numbers,
-    plain,
-    thread_count,
-    without_places,
-)
 from spintop.library import InputError, InputWarning, MotionError, ask, library, text_of
 from spintop.results import Columns, Owner, Result, Texts, described
 from spintop.runs import run, sweep
@@ -70,18 +60,18 @@ class Motion(Columns):
 class Handle(Owner):
     """A top of the library: one input, whose method and columns are chosen."""
 
-    def __init__(self, groups: Mapping[str, Group]) -> None:
+    def __init__(self, groups: Mapping[str, inputs.Group]) -> None:
         """Read an input."""
         calls = library()
-        with without_places(groups):
-            super().__init__(ask("top_new", namelist(groups), None), "top_delete")
+        with inputs.without_places(groups):
+            super().__init__(ask("top_new", inputs.namelist(groups), None), "top_delete")
         count = calls.spintop_top_column_count(self.place)
         _, self.units, self.meanings = described(calls.spintop_top_columns(self.place), count)
-        self.warnings = plain(text_of(calls.spintop_top_warnings(self.place)))
+        self.warnings = inputs.plain(text_of(calls.spintop_top_warnings(self.place)))
 
     def motion(self, t: ArrayLike) -> Motion:
         """The motion at some times."""
-        times = np.ascontiguousarray(numbers(t, "times"))
+        times = np.ascontiguousarray(inputs.numbers(t, "times"))
         cells = np.empty((len(self.units), *np.shape(t)))
         given = times.__array_interface__["data"][0]  # they may be read-only
         ask("top_at", self.place, times.size, given, (ctypes.c_double * 0).from_buffer(cells))
@@ -99,7 +89,7 @@ class Body:
 
     def __init__(self, *, parts: Sequence[Mapping[str, Any]] = (), **keys: Any) -> None:
         """Check and copy the keys: an InputError says what is wrong."""
-        self._keys, self._parts = frozen(keys), frozen(parts)
+        self._keys, self._parts = inputs.frozen(keys), inputs.frozen(parts)
         groups = {"part": self._parts} if self._parts else {}
         some = {"initial": {"theta": 1.0}, "span": {"t_end": 1.0}}
         Handle({"top": self._keys, **groups, **some})
@@ -135,9 +125,9 @@ class Top:
         """Check body and start: an InputError says what is wrong, an InputWarning what is odd."""
         if not isinstance(body, Body):
             raise InputError(f"body: a Body is wanted, not {type(body).__name__}", code=2)
-        check_groups(effects or {}, "effects")
+        inputs.check_groups(effects or {}, "effects")
         self.body = body
-        self._start, self._effects = frozen(start), frozen(effects or {})
+        self._start, self._effects = inputs.frozen(start), inputs.frozen(effects or {})
         given = self.input()
 
         @lru_cache(maxsize=16)  # more methods and columns are not kept
@@ -171,7 +161,7 @@ class Top:
         """The keys of the group `effects`."""
         return dict(self._effects)
 
-    def input(self, **groups: Group) -> dict[str, Group]:
+    def input(self, **groups: inputs.Group) -> dict[str, inputs.Group]:
         """The input of this top as a dictionary, with more groups, for `spintop.run`."""
         own = {"part": self.body.parts, "effects": self.effects}
         given = {name: keys for name, keys in own.items() if keys}
@@ -186,7 +176,7 @@ class Top:
     ) -> Handle:
         """The top of the library with a method, columns and events, made once."""
         keys, until = tuple(integration.items()), tuple(span.items())
-        return self._made(keys, until, names_in(columns), names_in(events))
+        return self._made(keys, until, inputs.names_in(columns), inputs.names_in(events))
 
     def exact(self, t: ArrayLike, columns: str | Sequence[str] = ANGLES) -> Motion:
         """The exact solution at times `t`, s from the start, of any shape and order.
@@ -210,10 +200,10 @@ class Top:
         """
         span = {"t_end": 1.0}
         if "steps" in integration or "step" in integration:
-            span = {"t_end": float(np.max(numbers(t, "times"), initial=0)) or 1.0}
+            span = {"t_end": float(np.max(inputs.numbers(t, "times"), initial=0)) or 1.0}
         if not integration.keys() & {"method", "formulation", "table", "steps", "step"}:
             integration = {"method": "taylor", **integration}
-        return self._handle(frozen(integration), span, columns).motion(t)
+        return self._handle(inputs.frozen(integration), span, columns).motion(t)
 
     def events(
         self,
@@ -229,8 +219,8 @@ class Top:
         `stop_after=n`: the n-th of these events ends the motion.
         """
         stop = {key: keys.pop(key) for key in ("stop_at", "stop_after") if key in keys}
-        span = frozen({"t_end": t_end, **stop})
-        handle = self._handle(frozen(keys), span, columns, events)
+        span = inputs.frozen({"t_end": t_end, **stop})
+        handle = self._handle(inputs.frozen(keys), span, columns, events)
         return Result(ask("top_events", handle.place))
 
     def animate(self, t_end: float, samples: int = 1001, **integration: Any) -> Animation:
@@ -253,7 +243,7 @@ class Top:
         Angles of the nutation in rad, its period in s and so on. Those of the end of a span are
         of `t_end` s; `keys` are those of the group `integration`.
         """
-        columns = names_in(columns)
+        columns = inputs.names_in(columns)
         groups = self.input(integration=keys, span={"t_end": t_end}, output={"columns": columns})
         found = sweep(groups, {}, threads=1)
         table = found.rows
@@ -284,7 +274,7 @@ def tops(
     cannot be computed has NaN in all of them. `threads` 0 takes all cores.
     """
     data = {"inertia1": inertia1, "inertia3": inertia3, "mgl": mgl, "theta": theta, **data}
-    arrays = {name: numbers(values, name) for name, values in data.items()}
+    arrays = {name: inputs.numbers(values, name) for name, values in data.items()}
     try:
         shape = np.broadcast_shapes(*(array.shape for array in arrays.values()))
     except ValueError as error:
@@ -297,7 +287,7 @@ def tops(
             column = column.copy()
         columns[name] = column
         strides.append(0 if one else column.strides[0] // 8)
-    found = {name: np.empty(shape) for name in names_in(quantities)}
+    found = {name: np.empty(shape) for name in inputs.names_in(quantities)}
     count, steps = int(np.prod(shape, dtype=np.int64)), (ctypes.c_longlong * len(strides))(*strides)
-    ask("tops", count, columns, steps, found, None, thread_count(threads))
+    ask("tops", count, columns, steps, found, None, inputs.thread_count(threads))
     return found

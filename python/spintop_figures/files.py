@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from spintop_figures.kinds import FigureKind
+from spintop_figures.kinds import FigureKind, as_list
 from spintop_figures.style.look import DEFAULT, Options
 from spintop_figures.style.page import save_as
 from spintop_figures.tables.table import Table, TableError, in_own_units, printable
@@ -29,8 +29,8 @@ def draw_to(
     formats: Sequence[str] = ("png", "svg"),
 ) -> list[Path]:
     """Draw a figure to files, or raise a TableError that says why that cannot be."""
-    alone = isinstance(tables, Table)
-    known = [in_own_units(without_overflow(table)) for table in ([tables] if alone else tables)]
+    given = map(without_overflow, as_list(tables))
+    known = [in_own_units(table, kind.columns) for table in given]
     for table in known:
         for name in filter(table.numeric, kind.columns):
             if (np.abs(table.column(name)[table.finite(name)]) > LARGEST).any():
@@ -39,7 +39,7 @@ def draw_to(
     try:
         with warnings.catch_warnings(), np.errstate(all="ignore"):
             warnings.simplefilter("ignore")
-            return save_as(kind.draw(known[0] if alone else known, options), stem, formats)
+            return save_as(kind.draw(known, options), stem, formats)
     except (OSError, TableError):
         raise
     except Exception as error:

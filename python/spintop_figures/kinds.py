@@ -8,16 +8,8 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from spintop_figures.moving.assumptions import Assumption, broken
-from spintop_figures.style.look import (
-    DEFAULT,
-    LETTERS,
-    SLIDE_HEIGHT,
-    SMALLEST,
-    Options,
-    scale,
-    the_look,
-)
-from spintop_figures.style.page import finish
+from spintop_figures.style import look
+from spintop_figures.style.page import finish, is_crowded
 from spintop_figures.tables.table import Table, TableError, in_own_units
 
 
@@ -39,58 +31,68 @@ class FigureKind(NamedTuple):
     """The categorical columns that it needs."""
     assumes: tuple[Assumption, ...] = ()
     """What holds for the scenes that it is true for."""
+    together: bool = False
+    """Whether it is drawn of several tables."""
 
-    def draw(self, tables: Table | Sequence[Table], options: Options = DEFAULT) -> Figure:
+    def draw(self, tables: Table | Sequence[Table], options: look.Options = look.DEFAULT) -> Figure:
         """Draw the figure of a table, or of all tables that are compared, in the look of all.
 
-        Letters are smaller where it would be too high for a slide, so that its panels are wider.
+        Where it would be too high for a slide, letters are smaller, so that its panels are wider;
+        letters of a given size stay, and the panels are lower.
         """
+        tables, is_slide = as_list(tables), options.width == "slide"
         figure = self.draw_once(tables, options)
-        while options.width == "slide" and figure.get_size_inches()[1] > SLIDE_HEIGHT:
-            with the_look(figure.options):
-                letters = LETTERS * scale() * 0.93
-            if options.font_size or letters < SMALLEST:
-                hint = " with such letters; without --font-size they are as large as fits"
-                lack = f"does not fit on a slide{hint if options.font_size else ''}"
-                raise TableError(f"{lack}: no {self.name} figure")
-            figure = self.draw_once(tables, replace(options, font_size=letters))
+        if is_slide and options.font_size and is_crowded(figure):
+            lack = f"does not fit on a slide with letters of {options.font_size:g} points"
+            hint = "without --font-size they are as large as fits"
+            raise TableError(f"{lack}; {hint}: no {self.name} figure")
+        while (
+            is_slide and not options.font_size and figure.get_size_inches()[1] > look.SLIDE_HEIGHT
+        ):
+            with look.the_look(figure.options):
+                letters = look.LETTERS * look.scale() * 0.93
+            if letters < look.SMALLEST:
+                raise TableError(f"does not fit on a slide: no {self.name} figure")
+            # as wide in centimetres, which leave the height free
+            smaller = replace(options, width=look.WIDTHS["slide"], font_size=letters)
+            figure = self.draw_once(tables, smaller)
         return figure
 
-    def draw_once(self, tables: Table | Sequence[Table], options: Options) -> Figure:
+    def draw_once(self, tables: Sequence[Table], options: look.Options) -> Figure:
         """Draw it, however high it is."""
-        alone = isinstance(tables, Table)
-        columns = {name for table in ([tables] if alone else tables) for name in table.rows}
+        given = [in_own_units(table, self.columns) for table in tables]
         for key in filter(None, options.unit):
-            if not any(key in name for name in columns):
+            if not any(key in name for table in given for name in table.rows):
                 raise TableError(f"has no column {key}, for its unit: no {self.name} figure")
-        with the_look(options):
+        with look.the_look(options):
             try:
-                figure = self.make(in_own_units(tables) if alone else [*map(in_own_units, tables)])
+                figure = self.make(given if self.together else given[0])
             except TableError as error:
                 raise TableError(f"{error}: no {self.name} figure") from None
-            return finish(figure, options)
+            return finish(figure, options, given)
 
-    def refusal(self, table: Table) -> str:
-        """Why the figure does not belong to a table; empty if it does."""
-        table = in_own_units(table)
+    def refusal(self, table: Table, has_cells: bool = True) -> str:
+        """Why the figure does not belong to a table; empty if it does.
+
+        It is an error if it does but for the cells of its columns, which hold nothing.
+        """
+        table = in_own_units(table, self.columns)
         if self.kind and table.kind != self.kind:
             return f"is no table of the kind {self.kind}"
         if missing := table.missing(self.words + self.columns):
             return f"has no column {', '.join(missing)}"
-        if wordless := [name for name in self.words if not table.has_words(name)]:
+        wordless = [name for name in self.words if has_cells and not table.has_words(name)]
+        if wordless:
             return f"has no word in column {', '.join(wordless)}"
-        empty = table.empty(self.columns)
+        empty = table.empty(self.columns) if has_cells else []
         if empty and not (self.sparse and len(empty) < len(self.columns)):
             return f"has no number in column {', '.join(empty)}"
         return broken(self.assumes, table) or self.objection(table)
 
-    def is_expected(self, table: Table) -> bool:
-        """Whether the table has all columns, so that it is an error if they hold no number."""
-        return (
-            table.kind == self.kind
-            and not table.missing(self.words + self.columns)
-            and not (broken(self.assumes, table) or self.objection(table))
-        )
+
+def as_list(tables: Table | Sequence[Table]) -> list[Table]:
+    """Several tables, or one."""
+    return [tables] if isinstance(tables, Table) else list(tables)
 
 
 def unknown(name: str, kinds: Sequence[FigureKind]) -> str:
@@ -127,9 +129,8 @@ def figure(
     def register(make: Callable) -> Callable:
         what = make.__doc__.partition("\n")[0].removesuffix(".")
         named = make.__name__.removeprefix("draw_"), what[0].lower() + what[1:]
-        asks.setdefault("objection", objection)
-        asked = kind, tuple(needs.split()), make
-        known = FigureKind(*named, *asked, words=tuple(words.split()), **asks)
+        known = {"objection": objection, "words": tuple(words.split()), "together": together}
+        known = FigureKind(*named, kind, tuple(needs.split()), make, **known | asks)
         (COMPARISONS if together else FIGURES).append(known)
         return make
 

@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.figure import Figure
 
-from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind, unknown
-from spintop_figures.style.axes import draw_line, letters_of, name_axis, set_degree_ticks
+from spintop_figures.kinds import COMPARISONS, FIGURES, FigureKind, as_list, unknown
+from spintop_figures.style.axes import DEGREES, draw_line, letters_of, name_axis, set_degree_ticks
 from spintop_figures.style.look import LINES, Options
-from spintop_figures.style.page import describe_run, new_figure
+from spintop_figures.style.page import describe_run, name_outer, panel_figure
 from spintop_figures.tables.names import axis_of, name_of, shown_in
 from spintop_figures.tables.table import Table, TableError, cases_at, in_own_units
 
@@ -37,6 +37,7 @@ def columns_kind(options: Options) -> FigureKind:
         (options.x, *options.y),
         lambda tables: draw_columns(tables, options),
         lambda table: object_to_columns(table, options),
+        together=True,
     )
 
 
@@ -46,8 +47,8 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
     title = f"{', '.join(first)} and {last}" if first else last
     title = f"{title[0].upper()}{title[1:]} against {name_of(options.x)}"
     count = len(options.y)
-    figure = new_figure(tables, title, 1.1 + (ALONE if count == 1 else PANEL_HEIGHT * count))
-    panels = figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0]
+    least = ALONE if count == 1 else 0.0
+    figure, panels = panel_figure(tables, title, count, PANEL_HEIGHT, least, 1.1, "x", across=1)
     labels = labels_of(tables)
     for name, axes in zip(options.y, panels, strict=True):
         spread = []
@@ -58,7 +59,7 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
             spread.append(y)
         for axis in options.log:
             axes.set(**{f"{axis}scale": "log"})
-        if "y" not in options.log and unit == "degrees":
+        if "y" not in options.log and unit in DEGREES:
             set_degree_ticks(axes.yaxis, np.concatenate(spread))
         axes.margins(x=0.01)
         for axis, ends in options.range.items():
@@ -67,7 +68,7 @@ def draw_columns(tables: Sequence[Table], options: Options) -> Figure:
             # None leaves an end where it is
             getattr(axes, f"set_{axis}lim")(*(end and end / factor for end in ends))
         name_axis(axes.yaxis, axis_of(name), unit)
-    name_axis(panels[-1].xaxis, axis_of(options.x), tables[0].shown(options.x)[1])
+    name_outer(panels, (axis_of(options.x), tables[0].shown(options.x)[1]))
     if len(tables) > 1:
         room = letters_of(panels[0], "x") - 7  # without the line beside a label
         labels = [textwrap.fill(label, room) for label in labels]
@@ -107,7 +108,9 @@ def choose_figures(
     if wrong := set(names or ()) - {kind.name for kind in FIGURES}:
         return [], [unknown(min(wrong), FIGURES)]
     wanted = [
-        each for each in FIGURES if (each.name in names if names else each.is_expected(table))
+        kind
+        for kind in FIGURES
+        if (kind.name in names if names else not kind.refusal(table, has_cells=False))
     ]
     found = [(kind, kind.refusal(table)) for kind in wanted]
     problems = [f"{refusal}: no {kind.name} figure" for kind, refusal in found if refusal]
@@ -123,18 +126,15 @@ def draw(tables: Table | Sequence[Table], name: str = "", **options: object) -> 
     there is no such figure, and a ValueError or a TypeError where an option is wrong.
     """
     asked = Options(**options)
-    alone = isinstance(tables, Table)
-    tables = cases_at(tables, asked.at) if alone else [cases_at(each, asked.at) for each in tables]
     if asked.y and name:
         raise ValueError("a figure has a name or columns y, not both")
-    if asked.y:
-        kind, tables, alone = columns_kind(asked), [tables] if alone else list(tables), False
-    else:
-        kinds = {kind.name: kind for kind in (FIGURES if alone else COMPARISONS)}
-        if name not in kinds:
-            raise TableError(unknown(name, list(kinds.values())))
-        kind = kinds[name]
-    for table in [tables] if alone else tables:
+    known = FIGURES if isinstance(tables, Table) else COMPARISONS
+    tables = [cases_at(table, asked.at) for table in as_list(tables)]
+    kinds = [columns_kind(asked)] if asked.y else [kind for kind in known if kind.name == name]
+    if not kinds:
+        raise TableError(unknown(name, known))
+    (kind,) = kinds
+    for table in tables:
         if refusal := kind.refusal(table):
             raise TableError(f"{refusal}: no {kind.name} figure")
     return kind.draw(tables, asked)

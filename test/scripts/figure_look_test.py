@@ -176,13 +176,29 @@ class FigureLookTest(TableCase):
             sizes[width] = figure.axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(sizes["column"], 8)
         assert sizes["slide"] > 9
-        with self.assertRaisesRegex(TableError, "does not fit on a slide.*: no angles figure"):
-            draw(table, "angles", width="slide", font_size=20)
+        lack = "does not fit on a slide with letters of 36 points.*: no angles figure"
+        with self.assertRaisesRegex(TableError, lack):
+            draw(table, "angles", width="slide", font_size=36)
         letters = draw(table, "angles", font_size=12).axes[0].yaxis.label.get_fontsize()
         self.assertAlmostEqual(letters, 12)
         page = self.read(a_sweep())
         with self.assertRaisesRegex(TableError, r"needs a width of \d+ cm: no table1 figure"):
             draw(page, "table1", width="column")
+
+    def test_large_letters(self) -> None:
+        """On a slide the usual figures have letters of 16 and 18 points, as they are asked for."""
+        for table, kinds in (
+            (self.motion(), ("angles", "forces", "trace")),
+            (self.read(a_precision()), ("precision_time", "precision_work")),
+            (self.compute("spinning_wheel_sweep"), ("curves",)),
+        ):
+            for kind, letters in itertools.product(kinds, (16, 18)):
+                with self.subTest(kind=kind, letters=letters):
+                    figure = draw(table, kind, width="slide", font_size=letters)
+                    size = figure.get_size_inches() / CENTIMETRE
+                    assert size == pytest.approx((25.4, min(size[1], 25.4 * 9 / 16)))
+                    assert problems_of(figure) == []
+                    assert figure.axes[0].yaxis.label.get_fontsize() == letters
 
     def test_wrong_options(self) -> None:
         table = self.motion()
@@ -205,7 +221,14 @@ class FigureLookTest(TableCase):
 
     def test_titles(self) -> None:
         table = self.motion()
-        assert draw(table, "angles", title="Mine").get_suptitle() == "Mine"
+        table = replace(table, header=table.header | {"title": "A top"})
+        own, mine = draw(table, "angles"), draw(table, "angles", title="Mine")
+        assert own.get_supxlabel() == "A top"
+        assert (mine.get_suptitle(), mine.get_supxlabel()) == ("Mine", "")
+        for look in ("fontweight", "position", "horizontalalignment"):
+            assert (
+                getattr(mine._suptitle, f"get_{look}")() == getattr(own._suptitle, f"get_{look}")()
+            )
         bare = draw(table, "angles", title="")
         assert (bare.get_suptitle(), bare.get_supxlabel()) == ("", "")
 

@@ -93,6 +93,24 @@ class OptionsTest(TableCase):
         assert number_in("60 rpm", "rad/s") == pytest.approx(2 * np.pi)
         assert number_in("3.14159rad", "degrees") == pytest.approx(180, rel=1e-5)
 
+    def test_columns_in_other_units(self) -> None:
+        """A column has its name with a unit, too: in that it is drawn, on log axes as on others."""
+        spinning = self.read(a_trajectory([*TRAJECTORY, "omega3"], omega3=math.pi))
+        names = ["theta_deg", "omega3_rpm", "theta_rad"]
+        for log in ("", "y"):
+            figure = draw(spinning, y=names, x="t_ms", log=log)
+            assert problems_of(figure) == []
+            found = [axes.get_ylabel().replace("\n", " ") for axes in figure.axes]
+            theta = "inclination $\\theta$"
+            assert found == [f"{theta} (degrees)", "spin $\\omega_3$ (rpm)", f"{theta} (rad)"]
+            assert "(ms)" in figure.axes[-1].get_xlabel()
+            drawn = [axes.lines[0].get_ydata()[0] for axes in figure.axes]
+            angle = spinning.column("theta")[0]
+            assert drawn == pytest.approx([math.degrees(angle), 30, angle])
+        for name in ("theta_furlong", "theta_", "nowhere_deg"):
+            with self.assertRaisesRegex(TableError, f"has no column {name}: no columns figure"):
+                draw(spinning, y=name)
+
     def test_cases(self) -> None:
         """The nearest cases of a sweep over several parameters; the caption tells the value."""
         table = self.read(a_map())

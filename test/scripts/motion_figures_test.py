@@ -18,6 +18,7 @@ from spintop_figures.motion.trajectory import draw_account, draw_angles
 from spintop_figures.moving.motion import refusal as motion_refusal
 from spintop_figures.registry import COMPARISONS, FIGURES, choose_figures, draw
 from spintop_figures.style.look import GROUND
+from spintop_figures.style.page import lay_out
 from spintop_figures.tables.table import in_own_units, read_table
 
 
@@ -289,8 +290,12 @@ class MotionFiguresTest(TableCase):
         """Powers of units are raised, in headings too."""
         self.compute("mounted_sensor")
         table = read_table(self.folder / "mounted_sensor.residuals.csv")
-        assert "m/s²" in draw_fit(table).axes[-2].get_title("right")
+        figure = draw_fit(table)
+        assert "m/s²" in figure.axes[-2].get_title("right")
         self.assert_good_look(table, "fit")
+        lay_out(figure)
+        edges = [axes.get_position().x0 for axes in figure.axes[:-1]]
+        assert len({round(edge, 6) for edge in edges}) == (2 if len(edges) >= 8 else 1)
 
     def test_alone(self) -> None:
         """Without the table of the parameters there are no values, and the rest is drawn."""

@@ -14,6 +14,7 @@ from conftest import listed
 from plot_case import STAGES, TableCase, a_precision
 from spintop_figures.methods import known, precision
 from spintop_figures.registry import FIGURES
+from spintop_figures.style.look import lightness
 
 AXES = ("initial.spin_ratio", "initial.theta")
 
@@ -39,23 +40,23 @@ class StyleTest(unittest.TestCase):
         assert len(methods) > 20
         styles = set()
         for name, entry in methods.items():
-            assert known.family_of(name) == entry["family"]
-            assert known.order_of(name) == entry["order"]
+            assert known.known(name).family == entry["family"]
+            assert known.known(name).order == entry["order"]
             style = known.style_of(name)
             styles.add((style["marker"], str(style["linestyle"])))
             for table in entry["tables"] or ():
-                assert known.family_of(table) == entry["family"]
+                assert known.known(table).family == entry["family"]
         assert len(styles) == len(methods)
         assert len({*known.MARKERS, known.look_of(known.OTHER).marker}) == len(known.MARKERS) + 1
         assert len(known.MARKERS) > len({entry["family"] for entry in methods.values()})
-        assert known.family_of("heyoka") == known.OTHER
+        assert known.known("heyoka").family == known.OTHER
 
     def test_no_program(self) -> None:
         """No program is asked, which may be another one or slow."""
         self.addCleanup(known.known_methods.cache_clear)
         known.known_methods.cache_clear()
         with unittest.mock.patch.object(subprocess, "run", side_effect=AssertionError):
-            assert known.order_of("rkmk_4") == 4
+            assert known.known("rkmk_4").order == 4
 
     def test_new_method(self) -> None:
         """A method that the program gets is drawn with its family and its order."""
@@ -64,8 +65,16 @@ class StyleTest(unittest.TestCase):
         known.known_methods.cache_clear()
         registry = [*listed_methods().values(), entry | {"tables": None}]
         with unittest.mock.patch.object(known, "listed", return_value={"methods": registry}):
-            assert (known.family_of("new_6"), known.order_of("new_6")) == ("Lie group", 6)
+            assert (known.known("new_6").family, known.known("new_6").order) == ("Lie group", 6)
             assert known.style_of("new_6")["marker"] == known.style_of("rkmk_4")["marker"]
+
+    def test_own_methods(self) -> None:
+        """Methods of a user's own differ in colour, marker and dashes, also in grey print."""
+        one, other, third = (known.style_of(f"table:{name}") for name in ("one", "other", "third"))
+        for pair in itertools.combinations((one, other, third), 2):
+            for key in ("color", "marker", "linestyle"):
+                assert pair[0][key] != pair[1][key]
+            assert abs(lightness(pair[0]["color"]) - lightness(pair[1]["color"])) > 0.05
 
     def test_formulations(self) -> None:
         """A formulation fills the marker, and changes nothing else."""
@@ -118,16 +127,17 @@ class PrecisionFiguresTest(TableCase):
         np.testing.assert_array_equal(drawn, (rows["time_s"], rows["error_max"]))
         texts = {text.get_text(): text for text in axes.texts}
         assert texts["exact solution"].xy == (2e-6, 3e-15)
+        assert precision.FLOOR in {" ".join(text.split()) for text in texts}
 
     def test_best(self) -> None:
         """Of each family the method that is the cheapest at the target has its name and colour."""
         curves = [curve for curve in self.curves().values() if curve.method != "exact"]
         table = self.read(a_precision())
         best = precision.best_of_families(table.rows, "time_s")
-        assert len({known.family_of(curve.method) for curve in best}) == len(best)
+        assert len({known.known(curve.method).family for curve in best}) == len(best)
         for curve in curves:
-            family = known.family_of(curve.method)
-            mate = next(each for each in best if known.family_of(each.method) == family)
+            family = known.known(curve.method).family
+            mate = next(each for each in best if known.known(each.method).family == family)
             if np.isfinite(precision.time_to(curve)):
                 assert precision.time_to(mate) <= precision.time_to(curve)
         draws = (precision.draw_precision_time, precision.draw_precision_work)
@@ -177,7 +187,7 @@ class PrecisionFiguresTest(TableCase):
         fixed = {name for name, entry in listed_methods().items() if entry["kind"] == "fixed"}
         assert {curve.method for curve in curves} == fixed
         for curve in curves:
-            order = known.order_of(curve.method)
+            order = known.known(curve.method).order
             self.assertAlmostEqual(precision.measured_order(curve.rows), order, delta=0.3)
         flat = rows.head(5).assign(error_max=[1e-15, 2e-15, 1e-15, 1e-15, 2e-15])
         assert np.isnan(precision.measured_order(flat))
@@ -194,7 +204,7 @@ class PrecisionFiguresTest(TableCase):
     def test_ink(self) -> None:
         """The names of families can be read on white, and keep their hue."""
         for family in (*known.families(), known.OTHER):
-            ink, colour = known.ink_of(family), known.look_of(family).colour
+            ink, colour = known.ink_of(known.look_of(family)), known.look_of(family).colour
             ink, colour = np.array(ink), np.array(to_rgb(colour))
             linear = np.where(ink <= 0.04045, ink / 12.92, ((ink + 0.055) / 1.055) ** 2.4)
             contrast = 1.05 / (linear @ (0.2126, 0.7152, 0.0722) + 0.05)

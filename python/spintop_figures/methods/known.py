@@ -18,6 +18,10 @@ OTHER = "own methods"
 OWN: dict[str, int] = {}
 """Their places, in the order in which they are drawn."""
 
+OWN_MARKERS = "DxH+8"
+OWN_COLOURS = 3
+"""Each of them has its own look, as they are drawn to be compared."""
+
 
 class Method(NamedTuple):
     """A method: its family, its order if it has one, and its place among the members."""
@@ -26,6 +30,16 @@ class Method(NamedTuple):
     family: str
     order: int | None
     place: int
+
+    @property
+    def is_own(self) -> bool:
+        """Whether a user added it."""
+        return self.family == OTHER
+
+    @property
+    def look(self) -> "Look":
+        """Its look: that of its family, or its own one."""
+        return look_of(self.family, self.place)
 
 
 @functools.cache
@@ -53,16 +67,6 @@ def known(name: str) -> Method:
     return found or Method(name, OTHER, None, OWN.setdefault(name, len(OWN)))
 
 
-def family_of(method: str) -> str:
-    """The family of a method."""
-    return known(method).family
-
-
-def order_of(method: str) -> int | None:
-    """The order of a method, if it has one."""
-    return known(method).order
-
-
 def families() -> list[str]:
     """The families in the order of the registry, and that of own methods."""
     return [*dict.fromkeys(method.family for method in known_methods().values()), OTHER]
@@ -70,7 +74,7 @@ def families() -> list[str]:
 
 def rank_of(method: str) -> tuple[int, int, str]:
     """Where a method stands in a list: by its family, then by its place in it."""
-    return families().index(family_of(method)), known(method).place, method
+    return families().index(known(method).family), known(method).place, method
 
 
 MARKERS = "psv^PXo*h<>d"
@@ -101,17 +105,18 @@ class Look(NamedTuple):
         return 1.5 if self.marker == "*" else 1.0
 
 
-def look_of(family: str) -> Look:
-    """The look of a family."""
+def look_of(family: str, place: int = 0) -> Look:
+    """The look of a family; of own methods that at a place."""
     if family == OTHER:
-        return Look("D", f"{OURS}other")
+        number = place % OWN_COLOURS + 1
+        return Look(OWN_MARKERS[place % len(OWN_MARKERS)], f"{OURS}other{number}")
     place = families().index(family) % len(MARKERS)
     return Look(MARKERS[place], f"{OURS}family{place + 1}")
 
 
-def ink_of(family: str) -> tuple[float, ...]:
-    """The colour of a family as words have it: as dark as they need to be read on white."""
-    colour = np.array(to_rgb(look_of(family).colour))
+def ink_of(look: Look) -> tuple[float, ...]:
+    """The colour of a look as words have it: as dark as they need to be read on white."""
+    colour = np.array(to_rgb(look.colour))
     if lightness(GROUND) < 0.5:
         return tuple(colour)
     # a contrast of 4.5 to 1 on white, with the shares and the exponent of the colours of screens
@@ -122,9 +127,9 @@ def ink_of(family: str) -> tuple[float, ...]:
 
 def style_of(method: str, formulation: str = "") -> dict[str, object]:
     """How the curve of a method under a formulation is drawn, in every figure alike."""
-    look, variation = look_of(family_of(method)), known(method).place
+    its, look, variation = known(method), known(method).look, known(method).place
     return {
-        "color": tint(look.colour, min(0.17 * variation, 0.6)),
+        "color": tint(look.colour, 0.0 if its.is_own else min(0.17 * variation, 0.6)),
         "linestyle": DASHES[variation % len(DASHES)],
         "marker": look.marker,
         "markersize": 5.5 * look.size,

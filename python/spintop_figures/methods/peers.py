@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from spintop_figures.kinds import figure
 from spintop_figures.methods.known import style_of
+from spintop_figures.methods.precision import FLOOR
 from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, GREY, GROUND, LINES, by_width
 from spintop_figures.style.numbers import in_print, write
@@ -72,7 +73,7 @@ def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, objec
     axes.set(xscale="log", yscale="log", ylim=(LEAST_ERROR, 10))
     floor = rows["inherent_error"].max()
     if math.isfinite(floor):
-        style = {"color": FAINT, "linewidth": 0, "label": "inherent error"}
+        style = {"color": FAINT, "linewidth": 0, "label": FLOOR}
         handles["floor"] = axes.axhspan(LEAST_ERROR / 10, floor, **style)
     for program, marker in PEER_MARKERS.items():
         style = PEER | {"marker": marker, "label": program}

@@ -15,8 +15,8 @@ from matplotlib.patheffects import withStroke
 from spintop_figures.kinds import figure
 from spintop_figures.methods import known
 from spintop_figures.style import numbers
-from spintop_figures.style.axes import few_ticks, letters_of, name_axis, name_rows
-from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, tint
+from spintop_figures.style.axes import few_ticks, letters_of, name_axis, name_rows, wrapped
+from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, is_slide, tint
 from spintop_figures.style.page import head, is_lowest, legend_below, new_figure, panel_figure
 from spintop_figures.sweeps import maps
 from spintop_figures.sweeps.maps import Grid
@@ -38,11 +38,6 @@ class Curve(NamedTuple):
     formulation: str
     label: str
     rows: pd.DataFrame
-
-    @property
-    def is_own(self) -> bool:
-        """Whether a user added the method."""
-        return known.family_of(self.method) == known.OTHER
 
     def style(self) -> dict[str, object]:
         """How it is drawn, in every figure alike; the formulation fills markers if it is told."""
@@ -105,7 +100,7 @@ def best_of_families(rows: pd.DataFrame, cost: str) -> list[Curve]:
         return missed, curve.rows["error_max"].min() if missed else reached
 
     curves = [each for each in curves_of(rows, (cost, "error_max")) if each.method != EXACT]
-    families = itertools.groupby(curves, key=lambda curve: known.family_of(curve.method))
+    families = itertools.groupby(curves, key=lambda curve: known.known(curve.method).family)
     return [min(members, key=merit) for _, members in families]
 
 
@@ -121,7 +116,9 @@ MOST_PROBLEMS = 6
 FAN = 0.2, 0.3
 """Width and height of the fan of orders, over those of the panel."""
 
-NOTE = f"named: the best of each family at {GOAL}; grey: the others"
+NOTE = f"in colour: the cheapest of each family at an error of {GOAL}; grey: all other methods"
+FLOOR = "rounding of the data: no method can be better"
+"""What the inherent error is."""
 
 ERROR = "largest error of the attitude", "rad"
 
@@ -142,9 +139,8 @@ def draw_precision_curves(
         style = curve.style()
         if strong is not None:
             style |= {"linewidth": 1.6, "zorder": 3}
-            if not curve.is_own:
-                style["linestyle"] = "-"
-                style["color"] = known.look_of(known.family_of(curve.method)).colour
+            if not known.known(curve.method).is_own:
+                style |= {"linestyle": "-", "color": known.known(curve.method).look.colour}
             others = {"color": FAINT, "linewidth": 0.9, "zorder": 1}
             style = style if curve.label in strong else others
         if curve.method != EXACT:
@@ -158,7 +154,8 @@ def draw_precision_curves(
         axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
         style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
         style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
-        axes.annotate("inherent error", (0.99, 0.015), xycoords="axes fraction", **style)
+        words = wrapped(FLOOR, by_width(24, 16))
+        axes.annotate(words, (0.99, 0.015), xycoords="axes fraction", **style)
     cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
     shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)
     if not shown.any():
@@ -209,18 +206,18 @@ def draw_over(
     named: dict[str, tuple[tuple, Artist]] = {}
     for problem, axes in panels.items():
         rows = table.rows[table.rows["problem"] == problem]
-        own = [each for each in curves_of(rows, (cost, "error_max")) if each.is_own]
+        own = [
+            each for each in curves_of(rows, (cost, "error_max")) if known.known(each.method).is_own
+        ]
         named_ones = [*best_of_families(rows, cost), *own]
         best = {curve.label: known.rank_of(curve.method) for curve in named_ones}
         draw_precision_curves(axes, rows, cost, best)
         lines = {line.get_label(): line for line in axes.lines}
         named |= {label: (rank, lines[label]) for label, rank in best.items()}
         name_axis(axes.yaxis, *ERROR)
-        name_axis(axes.xaxis, words, unit, f"\n{NOTE}")
-        if not is_lowest(axes):
-            axes.set_xlabel("")
+        name_axis(axes.xaxis, words if is_lowest(axes) else "", unit if is_lowest(axes) else "")
     handles = [line for _, line in sorted(named.values(), key=lambda pair: pair[0])]
-    legend_below(list(panels.values()), handles, by_width(4, 2))
+    legend_below(list(panels.values()), handles, by_width(4, 2), NOTE)
     return figure, panels
 
 
@@ -265,10 +262,11 @@ def draw_slopes(axes: Axes, orders: list[int]) -> None:
     (left, right), (low, high) = (np.log10(limits) for limits in (axes.get_xlim(), axes.get_ylim()))
     floor = max((np.log10(patch.get_corners()[:, 1].max()) for patch in axes.patches), default=low)
     ratio = (right - left) / (high - low)
-    x, y = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + FAN[1]
+    wide, tall = np.multiply(FAN, 1.4 if is_slide() else 1.0)
+    x, y = 0.03, (max(floor, low) - low) / (high - low) + 0.06 + tall
     style = {"fontsize": "small", "color": GREY}
     for order in orders:
-        run = 1 / np.hypot(1 / FAN[0], order * ratio / FAN[1])
+        run = 1 / np.hypot(1 / wide, order * ratio / tall)
         across, up = np.array([x, x + run]), np.array([y, y - order * ratio * run])
         line = 10 ** (left + across * (right - left)), 10 ** (low + up * (high - low))
         axes.plot(*line, color=GREY, linewidth=0.9, zorder=1)
@@ -320,7 +318,7 @@ def measured_order(rows: pd.DataFrame) -> float:
 def order_in(table: Table, method: str) -> int | None:
     """The order of a method: of the registry, or that which the file of a user's table declares."""
     told = table.header.get(method.replace(":", " ").lower(), "").removeprefix("order ")
-    return known.order_of(method) or (int(told) if told.isdigit() else None)
+    return known.known(method).order or (int(told) if told.isdigit() else None)
 
 
 def with_order(curve: Curve, table: Table) -> str:
@@ -344,7 +342,7 @@ def draw_orders(table: Table) -> Figure:
         curves.sort(key=lambda curve: -curve.rows["error_max"].iloc[0])  # as they end at the right
         labels = {curve.label: with_order(curve, table) for curve in curves}
         lines = {line.get_label(): line for line in axes.lines}
-        inks = [known.ink_of(known.family_of(curve.method)) for curve in curves]
+        inks = [known.ink_of(known.known(curve.method).look) for curve in curves]
         place = {"loc": "upper left", "bbox_to_anchor": (1.0, 1.02), "labelcolor": inks}
         axes.legend(map(lines.get, labels), labels.values(), **place)
         name_axis(axes.yaxis, *ERROR)
@@ -426,10 +424,11 @@ def colours_of_methods(rows: pd.DataFrame) -> dict[str, tuple[float, ...]]:
     members: dict[str, int] = {}
     colours = {}
     for label in counts.index.drop(NONE, errors="ignore"):
-        family = known.family_of(own.get(label.partition(", ")[0], ""))
-        pale = 1 - 0.38 * 0.55 ** members.get(family, 0)
-        members[family] = members.get(family, 0) + 1
-        colours[label] = tint(known.look_of(family).colour, pale)
+        name = label.partition(", ")[0]
+        method = known.known(own.get(name, name))
+        pale = 1 - 0.38 * 0.55 ** members.get(method.family, 0)
+        members[method.family] = members.get(method.family, 0) + 1
+        colours[label] = tint(method.look.colour, pale)
     return colours
 
 
@@ -535,7 +534,7 @@ def draw_target(axes: Axes, place: int, choices: list[Choice], edge: float) -> N
     """The comparisons for a target; those in which the choice misses it are at the right edge."""
     heights = place + 0.3 * (2 * ((5**0.5 - 1) / 2 * np.arange(len(choices)) % 1) - 1)
     for choice, height in zip(choices, heights, strict=True):
-        look = known.look_of(known.family_of(choice.cheapest))
+        look = known.known(choice.cheapest).look
         style = {"color": look.colour, "marker": look.marker, "markersize": 6 * look.size}
         style |= {"linestyle": "", "markeredgewidth": 0.5, "label": choice.cheapest}
         style["markeredgecolor"] = GROUND if np.isfinite(choice.ratio) else INK

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from spintop_figures.kinds import figure
-from spintop_figures.methods.known import Look, families, family_of, ink_of, look_of
+from spintop_figures.methods.known import Look, families, ink_of, known, look_of
 from spintop_figures.style.axes import few_ticks, name_axis, name_rows
 from spintop_figures.style.look import FAINT, FAULT, GREY, GROUND, INK, OURS, WIDTH, by_width
 from spintop_figures.style.numbers import DASH, TIMES, in_print, write_count
@@ -73,7 +73,7 @@ def trials(table: Table) -> pd.DataFrame:
     named = several & ~forms.str.contains(",")
     names, forms = rows["method"].map(name_of), forms.map(name_of)
     rows["entry"] = names.where(~named, names + ", " + forms)
-    rows["family"] = rows["method"].map(family_of)
+    rows["family"] = [known(method).family for method in rows["method"]]
     return rows
 
 
@@ -284,7 +284,7 @@ def draw_costs(table: Table) -> Figure:
     cost.plot(good, good.index.map(places), **MEDIAN, zorder=4)
     family = rows.groupby("entry")["family"].first()
     for label, entry in zip(cost.get_yticklabels(), places, strict=True):
-        label.set_color(ink_of(family[entry]))
+        label.set_color(ink_of(look_of(family[entry])))
     cost.axvline(1, color=GREY, linewidth=0.8, zorder=1)
     words = "evaluations over those of the cheapest accurate method of the case"
     name_axis(cost.xaxis, words, letters=by_width(0, 16))

@@ -10,8 +10,8 @@ from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
 from spintop_figures.style.page import TIME, name_outer, new_figure, panel_figure
-from spintop_figures.tables.names import axis_of, name_of, sign_of
-from spintop_figures.tables.table import Table, converted
+from spintop_figures.tables.names import axis_of, column_of, name_of, sign_of
+from spintop_figures.tables.table import Table
 
 COLOUR = LINES[0]["color"]
 
@@ -55,9 +55,8 @@ def describe_event(name: str) -> str:
     if not known:
         return name_of(name)
     column, value, turns, side = known.groups()
-    unit = ""
-    if found := converted(column):
-        column, unit = found.column, f" {found.unit}".replace(" deg", "\N{DEGREE SIGN}")
+    column, unit = column_of(column)
+    unit = f" {unit['unit']}".replace(" deg", "\N{DEGREE SIGN}") if unit else ""
     words = f"{sign_of(column)} = {localised(value)}{unit}"
     return ", ".join(filter(None, (words, turns.strip(), side)))
 

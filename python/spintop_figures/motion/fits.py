@@ -18,7 +18,7 @@ from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
 from spintop_figures.style.page import TIME, head, new_figure, no_axis
 from spintop_figures.tables.names import name_of, raised, sign_of
-from spintop_figures.tables.table import Table, TableError, converted, read_table
+from spintop_figures.tables.table import Table, TableError, read_table
 
 ENDING, FITTED = "_residual", "_fit"
 TABLE = re.compile(r"\.residuals(\d*)\.csv$")
@@ -79,21 +79,22 @@ def draw_fit(table: Table) -> Figure:
     which = f", run {run}: {runs[run - 1]}" if 1 < len(runs) >= run else ""
     figure = new_figure(table, f"Fit of a motion to measurements{which}", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
+    heights, widths = [PAIR * 1.7 / 2.7, PAIR / 2.7] * down, [drawn_width()]
     if by_width(True, False):
         widths = [(drawn_width() - 2.2) / across] * across + [2.2]  # inches for the fitted values
-        grid = figure.add_gridspec(down, across + 1, width_ratios=widths)
-        side = grid[:, across]
     else:
-        grid = figure.add_gridspec(down + 1, 1, height_ratios=[*[PAIR] * down, beside])
-        side = grid[down, 0]
+        heights.append(beside)
+    shape = {"width_ratios": widths, "height_ratios": heights}
+    grid = figure.add_gridspec(len(heights), len(widths), **shape)
+    side = grid[:, across] if len(widths) > 1 else grid[-1, 0]
     first = None
     for place, name in enumerate(names):
-        cell = grid[place % down, place // down].subgridspec(2, 1, height_ratios=(1.7, 1))
-        above = figure.add_subplot(cell[0], sharex=first)
+        column, line = divmod(place, down)
+        above = figure.add_subplot(grid[2 * line, column], sharex=first)
         first = first or above
-        below = figure.add_subplot(cell[1], sharex=first)
+        below = figure.add_subplot(grid[2 * line + 1, column], sharex=first)
         draw_column(table, name, above, below)
-        is_lowest = place % down == down - 1 or place == len(names) - 1
+        is_lowest = line == down - 1 or place == len(names) - 1
         above.tick_params(labelbottom=False)
         below.tick_params(labelbottom=is_lowest)
         if is_lowest:
@@ -116,14 +117,14 @@ def draw_fit(table: Table) -> Figure:
 
 def draw_column(table: Table, name: str, above: Axes, below: Axes) -> None:
     """A measured column with the fitted motion; below, the residuals with twice their size."""
-    found, t, unit = converted(name), table.column("t"), table.units.get(name, "")
+    t, unit = table.column("t"), table.units.get(name, "")
     measured, fitted, left = (table.column(name + end) for end in ("", FITTED, ENDING))
     if unit == "rad":
         measured, fitted, left = (np.degrees(part) for part in (measured, fitted, left))
         unit = "deg"
     above.plot(t, fitted, **MOTION)
     above.plot(t, measured, **MEASURED, label="measured")
-    head(above, sign_of(found.column if found else name), above.yaxis, unit, pad=3)
+    head(above, sign_of(name), above.yaxis, unit, pad=3)
     # residuals so much larger than most that nothing else would be seen beside them: at the edge
     most, size = 8, 1.4826 * np.nanmedian(np.abs(left))  # the deviation, of normal residuals
     outside = np.abs(left) > most * size if size > 0 else np.zeros(left.shape, bool)

@@ -184,31 +184,24 @@ def find_omega(table: Table) -> np.ndarray | None:
 
 def lacking(table: Table, body: Body | None, omega: np.ndarray | None) -> list[str]:
     """What the page cannot show or has to make up, in sentences."""
-    notes = []
-    if not is_whole(table, ANGLES):
-        notes.append(
-            "The table has no columns phi, theta, psi: the angles are computed from the "
-            "quaternion, phi and psi within half a turn."
-        )
-    if body is None:
-        notes.append("The header of the table does not give the body, so a plain disc is shown.")
-    else:
-        notes.append(draw_body(table, body).label)
-        if not np.array_equal(body.axis(), (0.0, 0.0, 1.0)):
-            notes.append(
-                "The centre of mass does not lie on body z, which phi, theta and psi are of; "
-                "the rod and the trace are of the centre of mass."
-            )
-    if not is_whole(table, FORCE):
-        notes.append("No support force: it takes the columns force_x, force_y, force_z.")
-    if omega is None:
-        notes.append(
-            "No rates, angular velocity and angular momentum: they take omega1 to omega3, or the "
-            "angles and their rates."
-        )
-    if not is_whole(table, ENERGIES):
-        notes.append("No energies: they take the columns kinetic, potential, energy.")
-    return notes
+    is_off_axis = body is not None and not np.array_equal(body.axis(), (0.0, 0.0, 1.0))
+    notes = {
+        "The table has no columns phi, theta, psi: the angles are computed from the quaternion, "
+        "phi and psi within half a turn.": not is_whole(table, ANGLES),
+        "The header of the table does not give the body, so a plain disc is shown.": body is None,
+        body and draw_body(table, body).label: body is not None,
+        "The centre of mass does not lie on body z, which phi, theta and psi are of; the rod and "
+        "the trace are of the centre of mass.": is_off_axis,
+        "No support force: it takes the columns force_x, force_y, force_z.": (
+            not is_whole(table, FORCE)
+        ),
+        "No rates, angular velocity and angular momentum: they take omega1 to omega3, or the "
+        "angles and their rates.": omega is None,
+        "No energies: they take the columns kinetic, potential, energy.": (
+            not is_whole(table, ENERGIES)
+        ),
+    }
+    return [note for note, holds in notes.items() if holds]
 
 
 def attitude_at_start(table: Table) -> np.ndarray:

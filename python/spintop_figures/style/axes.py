@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.text import Text
 
-from spintop_figures.style.look import FAINT, GREY, LINES
+from spintop_figures.style.look import FAINT, GREY, LINES, is_slide
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import PLAIN, localised, with_power, write
 from spintop_figures.tables.names import shown_in, with_unit
@@ -164,6 +164,8 @@ def name_axis(
     """
     axes = axis.axes
     letters = letters or letters_of(axes, axis.axis_name if holder is None else "x")
+    if is_slide() and holder is None:
+        letters = int(0.85 * letters)  # beside it there is less room than above a panel
     holder = holder or axis.label
     holder.set_text(wrapped(with_unit(words, unit) + after, letters))
     if axis.get_scale() == "log":

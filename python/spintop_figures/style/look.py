@@ -195,7 +195,8 @@ def the_look(options: Options = DEFAULT) -> Iterator[None]:
     set_colours(sheet, options.dark)
     left_out = ("labelsize", "titlesize", "fontsize", *["color"] * options.dark)
     kept = {key: value for key, value in sheet.items() if not key.endswith(left_out)}
-    page = {"font.size": letters, "figure.figsize": (options.inches(), WIDTH)}
+    most = SLIDE_HEIGHT if options.width == "slide" and options.font_size else math.inf
+    page = {"font.size": letters, "figure.figsize": (options.inches(), most)}
     page["axes.titlesize"] = 0.95 * letters
     for key in ("lines.linewidth", "lines.markersize"):
         page[key] = (kept.get(key) or SETTINGS[key]) * letters / LETTERS
@@ -217,15 +218,29 @@ def scale() -> float:
     return float(mpl.rcParams["font.size"]) / LETTERS
 
 
-def drawn_width() -> float:
-    """The width of a figure in inches of the usual letters; outside of the look that of a page."""
+def drawn_size() -> tuple[float, float]:
+    """The width of a figure and its most height in inches of the usual letters.
+
+    A slide with letters of a given size has no more height. Outside of the look there is a page.
+    """
     has_look = mpl.rcParams["svg.hashsalt"] == "spintop"
-    return float(mpl.rcParams["figure.figsize"][0]) / scale() if has_look else WIDTH
+    width, most = mpl.rcParams["figure.figsize"] if has_look else (WIDTH * scale(), math.inf)
+    return width / scale(), most / scale()
+
+
+def drawn_width() -> float:
+    """The width of a figure in inches of the usual letters."""
+    return drawn_size()[0]
 
 
 def by_width(wide: Any, narrow: Any) -> Any:
-    """The first on a figure as wide as a page, the second on one as narrow as a column."""
-    return wide if drawn_width() > 5.0 else narrow
+    """The first on a figure as wide as a page or on a slide, the second on a narrow column."""
+    return wide if drawn_width() > 5.0 or is_slide() else narrow
+
+
+def is_slide() -> bool:
+    """Whether the height of the page is given, too."""
+    return drawn_size()[1] < math.inf
 
 
 def lightness(colour: object) -> float:

@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -35,8 +36,15 @@ from spintop_figures.tables.words import say
 TITLE_LETTERS = 10.3
 """Letters in an inch of titles."""
 
-PANEL_WIDTH = 3.55
-"""Of each of many panels, in inches."""
+PANEL_WIDTH, NARROW, LEAST_PANEL = 3.55, 1.8, (1.0, 0.42)
+"""Of each of many panels, in inches, and of as many as can stand abreast where there is no height;
+width and height of the smallest that shows anything."""
+
+FOOT, BESIDE = 0.01, 26
+"""Height of a foot, or its width, over those of a panel; letters of a title beside a panel."""
+
+EDGE = 0.05
+"""Inches by which the edge of a letter may be beyond that of its page."""
 
 TIME = "time t", "s"
 AT = {"color": look.GREY, "linewidth": 1.0, "linestyle": "--", "zorder": 1.5}
@@ -71,7 +79,7 @@ def new_figure(
             least = math.ceil(width * look.SMALLEST / look.LETTERS / look.CENTIMETRE)
             raise TableError(f"needs a width of {least} cm")
         mpl.rcParams["font.size"] = size  # within the look, which sets it back
-    width = width or look.drawn_width()
+    width, height = width or look.drawn_width(), min(height, look.drawn_size()[1])
     figure = Page(figsize=(width * look.scale(), height * look.scale()), layout="constrained")
     figure.provenance = provenance_of(tables)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
@@ -85,8 +93,11 @@ def new_figure(
     return figure
 
 
-def finish(figure: Page, options: look.Options) -> Page:
-    """Give a figure that is drawn the title, the lines and the language that a user asks for."""
+def finish(figure: Page, options: look.Options, tables: Sequence[Table]) -> Page:
+    """Give a figure that is drawn the title, the lines and the language that a user asks for.
+
+    A title takes the place of both, that of the figure and that of its table below it.
+    """
     figure.options = options
     for which, values in options.line.items():
         draw_lines_at(figure, which, values)
@@ -94,9 +105,9 @@ def finish(figure: Page, options: look.Options) -> Page:
         translate(figure)
     if options.title is not None:
         width = figure.get_size_inches()[0] / look.scale()
-        figure.suptitle(textwrap.fill(options.title, int(width * TITLE_LETTERS)))
-        if not options.title:
-            figure.supxlabel("")
+        figure._suptitle.set_text(textwrap.fill(options.title, int(width * TITLE_LETTERS)))
+        if below := figure._supxlabel:
+            below.set_text(say(joined(map(warning_of, tables))) if options.title else "")
     return figure
 
 
@@ -144,14 +155,21 @@ def panel_figure(
     """A figure of panels that share axes, all of one size, two in a row on a page, more if wider.
 
     Heights, in inches: of a row, of all rows at least, and of what is above and below them, and the
-    ratios of rows where they differ. A foot is a last row of the grid for a legend.
+    ratios of rows where they differ. A foot is a last row of the grid for a legend; where there is
+    no height it stands beside a single column.
     """
-    most = across or max(look.by_width(2, 1), int(look.drawn_width() / PANEL_WIDTH))
+    wide, high = look.drawn_size()
+    most = across or max(look.by_width(2, 1), int(wide / PANEL_WIDTH))
+    while above + height * -(-count // most) > high and wide >= NARROW * (most + 1):
+        most += 1
     down = -(-count // most)
     across = min(count, most) if across else -(-count // down)
     figure = new_figure(tables, title, above + max(height * down, least))
-    ratios = [*(ratios or [1.0] * down), *[0.01] * has_foot]
-    grid = figure.add_gridspec(len(ratios), across, height_ratios=ratios)
+    beside = has_foot and across == 1 and look.is_slide()
+    ratios = [*(ratios or [1.0] * down), *[FOOT] * (has_foot and not beside)]
+    widths = [*[1.0] * across, *[FOOT] * beside]
+    shape = {"width_ratios": widths, "height_ratios": ratios}
+    grid = figure.add_gridspec(len(ratios), len(widths), **shape)
     panels: list[Axes] = []
     for place in range(count):
         shared = {f"share{axis}": panels[0] for axis in share} if panels else {}
@@ -203,13 +221,27 @@ def name_outer(panels: Sequence[Axes], x: Sequence[str] = (), y: Sequence[str] =
 
 
 def legend_below(
-    panels: Sequence[Axes], handles: Sequence[Artist] | Mapping[str, dict], columns: int
+    panels: Sequence[Axes],
+    handles: Sequence[Artist] | Mapping[str, dict],
+    columns: int,
+    title: str = "",
 ) -> None:
-    """A legend in the foot of the grid of panels: of lines, or of the looks of lines by name."""
+    """A legend in the foot of the grid of panels: of lines, or of the looks of lines by name.
+
+    It has so many columns at most.
+    """
     if isinstance(handles, Mapping):
         handles = [Line2D([], [], **style, label=name) for name, style in handles.items()]
-    below = no_axis(panels[0].figure.add_subplot(panels[0].get_gridspec()[-1, :]))
-    below.legend(handles=handles, loc="upper center", ncols=columns, handlelength=3)
+    figure, grid = panels[0].figure, panels[0].get_gridspec()
+    is_beside = grid.get_width_ratios()[-1] == FOOT
+    below = no_axis(figure.add_subplot(grid[:, -1] if is_beside else grid[-1, :]))
+    letters = BESIDE if is_beside else int(1.2 * letters_of(below, "x"))
+    style = {"handles": handles, "handlelength": 3, "title": wrapped(title, letters)}
+    style |= {"title_fontsize": "small", "loc": "center left" if is_beside else "upper center"}
+    for ncols in range(1 if is_beside else columns, 0, -1):
+        legend = below.legend(**style, ncols=ncols)
+        if legend.get_window_extent().width <= figure.bbox.width:
+            break
 
 
 def head(
@@ -294,6 +326,23 @@ def lay_out(figure: Figure) -> None:
     with look.the_look(getattr(figure, "options", look.DEFAULT)):
         engine.execute(figure)
     figure.set_layout_engine("none")
+
+
+def is_crowded(figure: Page) -> bool:
+    """Whether a page has too little room for a panel, or for what stands beside the panels."""
+    page = figure.get_size_inches()
+    with look.the_look(figure.options), warnings.catch_warnings():
+        warnings.simplefilter("error", UserWarning)  # there is no layout
+        try:
+            lay_out(figure)
+        except UserWarning:
+            return True
+        shown, least = figure.get_tightbbox(), np.array(LEAST_PANEL) * look.scale()
+    panels = [axes for axes in figure.axes if axes.axison and axes.get_subplotspec()]
+    is_beyond = (shown.min < -EDGE).any() or (shown.max > page + EDGE).any()
+    return bool(is_beyond) or any(
+        (page * axes.get_position().size < least).any() for axes in panels
+    )
 
 
 def save_as(

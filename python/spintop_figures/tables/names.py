@@ -58,9 +58,10 @@ UNIT_WORDS = {"deg": "degrees"}
 def unit_shown(column: str, unit: str) -> tuple[str, float]:
     """The unit in which a column is drawn, and the factor to it.
 
-    Angles are in degrees. Errors stay in radians, in which tolerances and verdicts are given.
+    Angles are in degrees. Errors stay in radians, in which tolerances and verdicts are given, and
+    what is asked for in them, as `theta_rad`.
     """
-    if unit == "rad" and "error" not in column:
+    if unit == "rad" and not re.search(r"error|_rad$", column):
         return UNIT_WORDS["deg"], math.degrees(1)
     return unit, 1.0
 
@@ -86,7 +87,8 @@ def find_name(key: str) -> Name:
         return Name(f"{'-'.join(words)} {table[2].strip('_').replace('_', '-')}")
     group, _, name = key.rpartition(".")
     stem, _, suffix = key.rpartition("_")
-    if group and name not in NAMES and suffix in {*MASSES, *(each for _, each in column_units())}:
+    of_key = group and name not in NAMES and suffix in {*MASSES, *(s for _, s in column_units())}
+    if of_key or column_of(key)[1]:
         key = stem
     if not (parts := KEY.fullmatch(key)):
         return Name(key)
@@ -177,6 +179,13 @@ def units_of_columns() -> dict[str, str]:
 def column_units() -> dict[tuple[str, str], dict]:
     """Other units of columns, by the unit of a column and the suffix of its name."""
     return {(unit["of"], unit["suffix"]): unit for unit in listed("columns")["column_units"]}
+
+
+def column_of(name: str) -> tuple[str, dict | None]:
+    """The column that a name is of, and the unit that it says, if that is not the column's own."""
+    own, (column, _, suffix) = units_of_columns(), name.rpartition("_")
+    unit = None if name in own else column_units().get((own.get(column), suffix))
+    return (column, unit) if unit else (name, None)
 
 
 def converted_to(unit: str, other: str) -> tuple[float, str] | None:

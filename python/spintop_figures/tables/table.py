@@ -12,13 +12,14 @@ import zlib
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
 
 from spintop_figures.tables.names import (
-    column_units,
+    column_of,
+    converted_to,
     name_of,
     number_in,
     unit_shown,
@@ -449,42 +450,29 @@ def read_values(text: str) -> list[str]:
     return [word or quoted.replace("''", "'") for quoted, word in VALUE.findall(text)]
 
 
-class Converted(NamedTuple):
-    """What the name of a column in another unit says: its column, the unit, its size in `own`."""
+def in_own_units(table: Table, wanted: Iterable[str] = ()) -> Table:
+    """The table with all its columns in their own units too, in which figures are drawn.
 
-    column: str
-    unit: str
-    size: float
-    own: str
+    And with those that are wanted in other units, as their names say: `theta_deg` of `theta`.
+    """
+    for name in table.rows:
+        column, unit = column_of(name)
+        if unit and column not in table.rows:
+            table = with_column(table, column, name, unit["size"], unit["of"])
+    for name in wanted:
+        column, _, suffix = name.rpartition("_")
+        if suffix and name not in table.rows and column in table.rows:
+            own = table.units.get(column) or units_of_columns().get(column, "")
+            if found := converted_to(own, suffix):
+                table = with_column(table, name, column, *found)
+    return table
 
 
-def converted(name: str) -> Converted | None:
-    """What a name says; None if it is that of a column in its own unit, or of none."""
-    own = units_of_columns()
-    column, _, suffix = name.rpartition("_")
-    if name in own or column not in own:
-        return None
-    unit = column_units().get((own[column], suffix))
-    return unit and Converted(column, unit["unit"], unit["size"], own[column])
-
-
-def in_own_units(table: Table) -> Table:
-    """The table with all its columns in their own units too, in which figures are drawn."""
-    there = {name: converted(name) for name in table.rows}
-    lacking = {
-        name: found for name, found in there.items() if found and found.column not in table.rows
-    }
-    if not lacking:
-        return table
-    cells = {found.column: table.rows[name] * found.size for name, found in lacking.items()}
-    units = {found.column: found.own for found in lacking.values()}
-    meanings = {found.column: table.meanings.get(name, "") for name, found in lacking.items()}
-    return replace(
-        table,
-        rows=table.rows.assign(**cells),
-        units=table.units | units,
-        meanings=table.meanings | meanings,
-    )
+def with_column(table: Table, name: str, other: str, factor: float, unit: str) -> Table:
+    """The table with one more column, which is so many times another one."""
+    meanings = table.meanings | {name: table.meanings.get(other, "")}
+    rows = table.rows.assign(**{name: table.rows[other] * factor})
+    return replace(table, rows=rows, units=table.units | {name: unit}, meanings=meanings)
 
 
 def read_netcdf(path: Path) -> tuple[dict[str, object], dict[str, "Variable"]]:

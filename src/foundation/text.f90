@@ -6,7 +6,7 @@ module spintop_text
     implicit none
     private
     public :: string_t, append, lower_case, nearest_word, did_you_mean, join, split, to_text, counted, replace_all, abbreviate
-    public :: strings_of, append_words, append_wrapped, line_width, wrapped, characters, default_width
+    public :: strings_of, end_of_line, append_words, append_wrapped, line_width, wrapped, characters, default_width
     public :: write_reals, write_integer, fixed_text, real_width
     public :: visible, escaped, is_plain
 
@@ -198,6 +198,14 @@ contains
             parts(part)%text = trim(adjustl(parts(part)%text))
         end do
     end subroutine split
+
+    !> The last byte of the line that begins at a place.
+    pure integer function end_of_line(text, first) result(last)
+        character(*), intent(in) :: text !! any lines
+        integer, intent(in) :: first !! the place
+        last = first + index(text(first:), new_line('a')) - 2
+        if (last < first - 1) last = len(text)
+    end function end_of_line
 
     !> Adds a text to a list. The constructor `[list, string_t(text)]` of gfortran does not free its parts.
     pure subroutine append(list, text)

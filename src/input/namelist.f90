@@ -15,7 +15,7 @@ module spintop_namelist
     use spintop_scanner, only: scanner_t, token_close, token_colon, token_comma, token_end, token_equals, &
         token_group, token_open, token_other, token_slash, token_t, token_word, token_string
     use spintop_suggestions, only: homes_of, refuse_group, refuse_key
-    use spintop_text, only: lower_case, string_t, to_text
+    use spintop_text, only: end_of_line, lower_case, string_t, to_text
     implicit none
     private
     public :: read_namelist, read_override
@@ -350,8 +350,7 @@ contains
         first = 1
         do while (first <= len(table))
             if (table(first:first) /= '#') exit
-            length = index(table(first:), new_line('a')) - 1
-            if (length < 0) length = len(table) - first + 1
+            length = end_of_line(table, first) - first + 1
             associate (line => table(first:first + length - 1))
                 is_input = (is_input .and. index(line, mark) == 1) .or. line == title
                 if (is_input .and. line /= title) then

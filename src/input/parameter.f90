@@ -133,11 +133,7 @@ contains
         class(parameter_t), intent(inout) :: self
         integer, intent(in) :: column !! column of the element, from 1
         character(*), intent(in) :: value !! the new value of the element
-        integer :: i
-        self%letters(:, column) = ' '
-        do i = 1, min(len(value), self%text_length())
-            self%letters(i, column) = value(i:i)
-        end do
+        self%letters(:, column) = transfer(value // repeat(' ', self%text_length()), ' ', self%text_length())
     end subroutine add_text
 
     !> A text element.
@@ -145,11 +141,8 @@ contains
         class(parameter_t), intent(in) :: self
         integer, intent(in) :: column !! column of the element, from 1
         character(:), allocatable :: text
-        integer :: i
         text = repeat(' ', self%text_length())
-        do i = 1, len(text)
-            text(i:i) = self%letters(i, column)
-        end do
+        text = transfer(self%letters(:, column), text)
     end function text_at
 
     !> Sets the unit in which an element was given.

@@ -23,7 +23,7 @@ module spintop_loaded_table
     use spintop_table_column, only: column_of_notes, column_of_words, column_t, table_column_t
     use spintop_table_end, only: check_table_text
     use spintop_table_head, only: check_format
-    use spintop_text, only: abbreviate, escaped, lower_case, string_t, to_text
+    use spintop_text, only: abbreviate, end_of_line, escaped, lower_case, string_t, to_text
     implicit none
     private
     public :: read_table, table_t, largest_table
@@ -233,8 +233,7 @@ contains
             first = last + 2 ! behind the line feed
             found = first <= len(text)
             if (.not. found) return
-            last = first + index(text(first:), new_line('a')) - 2
-            if (last < first - 1) last = len(text)
+            last = end_of_line(text, first)
             line = line + 1
             start = first + verify(text(first:last), blanks) - 1
             if (start < first) cycle

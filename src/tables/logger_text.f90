@@ -2,17 +2,17 @@
 !> It is made a table of commas and points byte by byte, so that lines and columns of messages stay true.
 !>
 !>     call form%find_names(text)
-!>     call form%rewrite(path, is_number, text, error)
+!>     call form%rewrite(path, columns, text, error)
 module spintop_logger_text
     use spintop_dates, only: is_date
     use spintop_errors, only: error_t, input_error
     use spintop_kinds, only: dp
     use spintop_literals, only: is_number_cell
-    use spintop_text, only: append, lower_case, replace_all, string_t, to_text
+    use spintop_text, only: append, end_of_line, lower_case, replace_all, string_t, to_text
     use spintop_units, only: convert_unit, own_spelling
     implicit none
     private
-    public :: logger_text_t, split_unit
+    public :: logger_text_t, logger_column_t, split_unit
 
     character, parameter :: tab = achar(9)
     character(*), parameter :: blanks = ' ' // tab // achar(13)
@@ -21,10 +21,18 @@ module spintop_logger_text
     !> The names of a table are among so many lines at its beginning.
     integer, parameter :: most_lines = 1000
 
+    !> A column: its name, that without the unit, and the unit; its first cell.
+    type :: logger_column_t
+        character(:), allocatable :: name, stem, unit, cell
+        !> The column that it becomes, whether the input maps it, and the size of its unit in that of the column (0: not used).
+        character(:), allocatable :: column
+        logical :: is_mapped = .false.
+        real(dp) :: size = 0
+    end type logger_column_t
+
     !> What is known of a text.
     type :: logger_text_t
-        !> The names of the columns, the units below them or '', and the cells of the first row; none if there is no row.
-        type(string_t), allocatable :: names(:), units(:), cells(:)
+        type(logger_column_t), allocatable :: columns(:)
         !> What separates cells, and whether decimals have commas.
         character :: separator = ','
         logical :: has_commas = .false.
@@ -35,7 +43,7 @@ module spintop_logger_text
         procedure :: find_names
         procedure :: rewrite
         procedure :: describe
-        procedure, private :: set_names
+        procedure, private :: set_columns
     end type logger_text_t
 
 contains
@@ -45,7 +53,7 @@ contains
     subroutine find_names(self, text)
         class(logger_text_t), intent(out) :: self
         character(*), intent(in) :: text !! the file
-        type(string_t), allocatable :: lines(:)
+        type(string_t), allocatable :: lines(:), names(:)
         logical, allocatable :: is_comment(:)
         integer :: first, last, i, k, pass, next
 
@@ -75,9 +83,8 @@ contains
         do while (index(lines(i)%text, separators(k)) == 0 .and. separators(k) /= ' ')
             k = k + 1
         end do
-        call cut_line(lines(i)%text, separators(k), .true., self%names)
-        allocate (self%cells(0))
-        call self%set_names(i, 0, separators(k), self%cells)
+        call cut_line(lines(i)%text, separators(k), .true., names)
+        call self%set_columns(i, 0, separators(k), names, [string_t ::], [string_t ::])
 
     contains
 
@@ -95,8 +102,8 @@ contains
             type(string_t), allocatable :: cells(:), units(:)
             integer :: below
             are_names = .false.
-            call cut_line(lines(line)%text, separator, .true., self%names)
-            if (size(self%names) < 2 .or. looks_like_row(self%names, size(self%names))) return
+            call cut_line(lines(line)%text, separator, .true., names)
+            if (size(names) < 2 .or. looks_like_row(names, size(names))) return
             call cut_line(lines(row)%text, separator, .false., cells)
             below = 0
             allocate (units(0))
@@ -105,41 +112,48 @@ contains
                 call move_alloc(cells, units)
                 call cut_line(lines(below)%text, separator, .false., cells)
             end if
-            are_names = looks_like_row(cells, size(self%names))
-            if (.not. are_names) return
-            call self%set_names(line, merge(row, 0, below > 0), separator, units)
-            call move_alloc(cells, self%cells)
+            are_names = looks_like_row(cells, size(names))
+            if (are_names) call self%set_columns(line, merge(row, 0, below > 0), separator, names, units, cells)
         end function are_names
 
     end subroutine find_names
 
-    !> Sets the lines, the separator, and the units below the names.
-    subroutine set_names(self, line, line_of_units, separator, units)
+    !> Sets the lines, the separator and the columns.
+    subroutine set_columns(self, line, line_of_units, separator, names, units, cells)
         class(logger_text_t), intent(inout) :: self
         integer, intent(in) :: line, line_of_units
         character, intent(in) :: separator
-        type(string_t), intent(in) :: units(:)
-        integer :: j
+        type(string_t), intent(in) :: names(:), units(:), cells(:) !! there may be no units below the names, and no cells
+        integer :: i
         self%line_of_names = line
         self%line_of_units = line_of_units
         self%separator = separator
-        allocate (self%units(size(self%names)))
-        do j = 1, size(self%units)
-            self%units(j)%text = ''
-            if (j <= size(units)) self%units(j)%text = without_brackets(units(j)%text)
+        allocate (self%columns(size(names)))
+        do i = 1, size(names)
+            associate (column => self%columns(i))
+                column%name = names(i)%text
+                column%column = column%name
+                call split_unit(column%name, column%stem, column%unit)
+                if (i <= size(units)) then
+                    if (without_brackets(units(i)%text) /= '') column%unit = without_brackets(units(i)%text)
+                end if
+                column%cell = ''
+                if (i <= size(cells)) column%cell = cells(i)%text
+            end associate
         end do
-    end subroutine set_names
+    end subroutine set_columns
 
     !> Makes a table of commas and points of the text, line by line; what is neither names nor row becomes a comment.
-    subroutine rewrite(self, path, is_number, text, error)
+    subroutine rewrite(self, path, columns, text, error)
         class(logger_text_t), intent(inout) :: self
         character(*), intent(in) :: path !! of the file, for messages
-        logical, intent(in) :: is_number(:) !! which columns are numbers, of which decimals have commas or points
+        type(logger_column_t), intent(in) :: columns(:) !! those that are used are numbers, or dates
         character(*), intent(inout) :: text !! the file, and the table
-        type(error_t), allocatable, intent(out) :: error !! decimals have both
-        logical :: has(2)
-        integer :: first, last, start, line, n
+        type(error_t), allocatable, intent(out) :: error !! decimals of numbers have commas and points
+        logical :: has(2), is_number(size(columns))
+        integer :: first, last, start, line, n, i
 
+        is_number = [(columns(i)%size > 0 .and. .not. is_date(columns(i)%cell), i=1, size(columns))]
         has = .false.
         last = -1
         line = 0
@@ -227,14 +241,6 @@ contains
         start = max(1, verify(line, blanks))
         is_remark = scan(line(start:min(start, len(line))), '#%!') > 0 .or. index(line(start:), '//') == 1
     end function is_remark
-
-    !> The last byte of the line that begins at `first`.
-    pure integer function end_of_line(text, first) result(last)
-        character(*), intent(in) :: text
-        integer, intent(in) :: first
-        last = first + index(text(first:), new_line('a')) - 2
-        if (last < first - 1) last = len(text)
-    end function end_of_line
 
     !> The cells of a line, without blanks and quotes.
     subroutine cut_line(line, separator, of_names, cells)

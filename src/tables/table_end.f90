@@ -15,7 +15,7 @@ module spintop_table_end
     use spintop_kinds, only: dp
     use spintop_literals, only: is_number_cell
     use spintop_status, only: last_status, status_number
-    use spintop_text, only: abbreviate, string_t, to_text
+    use spintop_text, only: abbreviate, end_of_line, string_t, to_text
     implicit none
     private
     public :: table_end_t, table_check_t, check_table, check_table_text, place_of_summary, status_of_ending
@@ -245,8 +245,7 @@ contains
         step = 0
         first = 1
         do while (first <= len(text))
-            last = first + index(text(first:), nl) - 2
-            if (last < first - 1) last = len(text) ! a text that was cut
+            last = end_of_line(text, first)
             line = line + 1
             if (index(text(first:last), '#') /= 1) then
                 row = row + 1
@@ -322,7 +321,7 @@ contains
 
         first = 1
         do while (first <= len(lines))
-            last = first + index(lines(first:), new_line('a')) - 2
+            last = end_of_line(lines, first)
             status = -1
             if (index(lines(first:min(last, first + len(ending_key) - 1)), ending_key) == 1) then
                 status = status_of_ending(lines(first + len(ending_key):last))

@@ -11,7 +11,7 @@ module spintop_logger_table
     use spintop_files, only: beside_input, read_file
     use spintop_kinds, only: dp, is_equal, is_finite
     use spintop_loaded_table, only: largest_table, table_t
-    use spintop_logger_text, only: logger_text_t, split_unit
+    use spintop_logger_text, only: logger_column_t, logger_text_t, split_unit
     use spintop_problems, only: problems_t
     use spintop_study_column, only: find_column, place_of, study_column_t
     use spintop_summary, only: rounded
@@ -28,14 +28,6 @@ module spintop_logger_table
     !> So many columns at most are named in a message.
     integer, parameter :: most_names = 50
 
-    !> A column of the file: its name, that without the unit, and the unit; its first cell; its name here.
-    type :: source_t
-        character(:), allocatable :: name, stem, unit, cell, column
-        !> Whether the input maps it, and the size of its unit in that of the column; 0 if it is not used.
-        logical :: is_mapped = .false.
-        real(dp) :: size = 0
-    end type source_t
-
     !> A table of measurements.
     type, extends(table_t) :: logger_table_t
         !> The measured columns that the input names, or '', element by element.
@@ -44,12 +36,11 @@ module spintop_logger_table
         character(:), allocatable :: mapping
         !> The column of the times.
         integer :: clock = 0
-        type(source_t), allocatable, private :: sources(:)
+        type(logger_column_t), allocatable, private :: sources(:)
         type(logger_text_t), private :: form
     contains
         procedure :: read_column => read_in_own_unit
         procedure :: describe
-        procedure, private :: set_sources
         procedure, private :: map_columns
         procedure, private :: map
         procedure, private :: use_as
@@ -84,11 +75,11 @@ contains
                               'expected a line of names, such as t,theta, and below it a row for each time')
             return
         end if
-        call table%set_sources()
+        call move_alloc(table%form%columns, table%sources)
+        table%mapping = suggest_mapping(table%sources)
         call table%map_columns(escaped(path), key, columns, problems)
         if (problems%any()) return
-        call table%form%rewrite(escaped(path), [(table%sources(i)%size > 0 .and. .not. is_date(table%sources(i)%cell), &
-                                                 i=1, size(table%sources))], text, error)
+        call table%form%rewrite(escaped(path), table%sources, text, error)
         if (.not. allocated(error)) call table%table_t%open('', path, diagnostics, error, text=text)
         if (.not. (allocated(error) .or. diagnostics%has_errors())) then
             do i = 1, size(table%sources)
@@ -99,27 +90,6 @@ contains
         if (.not. allocated(error)) call diagnostics%raise(error)
         if (allocated(error)) call problems%add(key, error%message, '')
     end subroutine read_logger_table
-
-    !> Sets the columns of the file.
-    subroutine set_sources(self)
-        class(logger_table_t), intent(inout) :: self
-        integer :: i
-
-        associate (form => self%form)
-            allocate (self%sources(size(form%names)))
-            do i = 1, size(self%sources)
-                associate (source => self%sources(i))
-                    source%name = form%names(i)%text
-                    source%column = source%name
-                    call split_unit(source%name, source%stem, source%unit)
-                    if (form%units(i)%text /= '') source%unit = form%units(i)%text
-                    source%cell = ''
-                    if (i <= size(form%cells)) source%cell = form%cells(i)%text
-                end associate
-            end do
-        end associate
-        self%mapping = suggest_mapping(self%sources)
-    end subroutine set_sources
 
     !> Finds what the columns of the file are: those that the input maps, and those that are named as columns of trajectories.
     subroutine map_columns(self, path, key, columns, problems)
@@ -228,7 +198,7 @@ contains
         !> Whether a column is meant: by its name as it stands; in other capitals; with a unit behind it; without its unit; with its
         !> unit written in another way.
         logical function is_meant(source, rule)
-            type(source_t), intent(in) :: source
+            type(logger_column_t), intent(in) :: source
             integer, intent(in) :: rule
             character(:), allocatable :: own, written
             own = source%name
@@ -336,7 +306,7 @@ contains
 
     !> The line of the input that maps the columns whose meaning their names and units tell.
     function suggest_mapping(sources) result(mapping)
-        type(source_t), intent(in) :: sources(:)
+        type(logger_column_t), intent(in) :: sources(:)
         character(:), allocatable :: mapping, left, entry, unit, problem
         type(string_t), allocatable :: entries(:), lefts(:), names(:)
         type(study_column_t) :: found
@@ -379,7 +349,7 @@ contains
 
     !> The column of trajectories that the unit and the name of a column suggest; '' if none is.
     function meaning_of(source) result(column)
-        type(source_t), intent(in) :: source
+        type(logger_column_t), intent(in) :: source
         character(:), allocatable :: column
         character(*), parameter :: letters = 'abcdefghijklmnopqrstuvwxyz'
         character(*), parameter :: units(3) = [character(5) :: 's', 'rad/s', 'm/s^2'], &
@@ -463,14 +433,13 @@ contains
                     end if
                     values(i) = values(i) + day * (day_of_row - first_day)
                 end do
-                if (size(cells) == 0) return
                 if (first_day == 0) call unwrap(values, [day])
             else
                 call self%table_t%read_column(source%column, values, error)
                 if (allocated(error)) return
                 if (source%is_mapped .and. all(is_equal(values, anint(values)))) call unwrap(values, counters)
             end if
-            if (size(values) > 0 .and. (source%is_mapped .or. is_date(source%cell))) values = values - values(1)
+            if (source%is_mapped .or. is_date(source%cell)) values = values - values(1)
             values = values * source%size
         end associate
     end subroutine read_clock
@@ -533,7 +502,7 @@ contains
 
         !> The name and the unit in the file, where they are others.
         function origin(source) result(text)
-            type(source_t), intent(in) :: source
+            type(logger_column_t), intent(in) :: source
             character(:), allocatable :: text
             text = ''
             if (source%name /= source%column) text = ' = ' // source%name

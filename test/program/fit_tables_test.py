@@ -47,6 +47,7 @@ def columns_of(motion):
         "us": 1e6 * t,
         "min": t / 60,
         "begin": millis(t, 123456),
+        "later": millis(t, 500),
         "bits16": millis(t, 63000, 16),
         "bits32": millis(1000 * t, 2**32 - 10**6, 32),
         "date": dates(t),
@@ -111,6 +112,7 @@ GOOD = {
     "byte order mark and CRLF": (NAMES, GYRO, "ms x y", {"head": "\ufeff", "end": "\r\n"}),
     "Latin-1": (NAMES, "time (µs)|gx (°/s)|gy (°/s)", "us x y", {}),
     "a clock that begins anywhere": (NAMES, GYRO, "begin x y", {}),
+    "a clock that begins within its span": (NAMES, GYRO, "later x y", {}),
     "a counter of 16 bits": (NAMES, GYRO, "bits16 x y", {}),
     "a counter of 32 bits": (NAMES, GYRO.replace("ms", "us"), "bits32 x y", {}),
     "dates": (NAMES, PLAIN, "date x y", {}),
@@ -177,6 +179,7 @@ def test_numbers(spin, motion, kind):
     data = spell(motion, names, kinds, **form)
     run = spin(fit_to(columns), data=data.encode("latin-1") if kind == "Latin-1" else data)
     assert run.status == "ok", run.out
+    assert run.stderr == "" or "_sigma" in columns
     found = run.table("residuals")
     assert len(found.columns) == 1 + 3 * (3 if "accelerometer" in columns else 2)
     for name in found.columns[1::3]:

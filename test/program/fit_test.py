@@ -263,6 +263,8 @@ UNKNOWN = ", unknown = 'top.inertia(1)', 'top.inertia(3)', 'initial.psi_rate'"
     (UNKNOWN, "", "nothing is"),
     ("'initial.psi_rate'", "'top.shape'", "is not a number"),
     ("'initial.psi_rate'", "'top.inertia(3)'", "named twice"),
+    ("'initial.psi_rate'", "'monting(1)'", "did you mean 'mounting'?"),
+    ("'initial.psi_rate'", "'offset.thta'", "did you mean 'theta'?"),
     ("'initial.psi_rate'", "'top.density'", "has no value"),
     ("'data.csv',", "'data.csv', columns = 'tip_error',", "errors, bounds"),
     ("'data.csv',", "'data.csv', averaged = 1e-3,", "first average begins before"),

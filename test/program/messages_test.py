@@ -71,7 +71,10 @@ HINTS = {
         ),
         ("study.kind=stability; stability.methods=rk4,exact", "is not among the compared methods"),
     ],
-    CLOSED: [("output.columns=work_friction", "'work_friction' needs effects, which this body")],
+    CLOSED: [
+        ("output.columns=work_friction", "'work_friction' needs effects, which this body"),
+        ("study.kind=work_precision; work_precision.reference=quadrupel", "mean 'quadruple'?"),
+    ],
     SWEEP: [
         (AXIS.format("initial.omega3_deg", 1), "the spin is given twice"),
         (AXIS.format("initial.theta", "1, 20"), "theta_deg takes degrees"),

@@ -7,6 +7,7 @@ module spintop_precision_study
     use spintop_case, only: case_t, make_case
     use spintop_comparison, only: add_methods, method_choice_t, setting_t, attempt_t, comparison_t, problem_t
     use spintop_errors, only: error_t
+    use spintop_files, only: file_exists, path_from
     use spintop_formulation, only: structure_quadruple
     use spintop_job, only: job_t
     use spintop_kinds, only: dp, no_number
@@ -24,7 +25,7 @@ module spintop_precision_study
     use spintop_study_column, only: categorical, column => study_column_t
     use spintop_summary, only: duration, summary_t, rounded
     use spintop_sweep_axes, only: case_scene_t
-    use spintop_text, only: append, string_t, to_text
+    use spintop_text, only: append, did_you_mean, string_t, to_text
     implicit none
     private
     public :: precision_study_t, precision_columns, add_row, sort_rows, mark_front, summarize_problem, auto_tally_t
@@ -143,6 +144,10 @@ contains
         associate (named => job%input%scene%precision_reference)
             if (self%reference == reference_exact .and. .not. job%case%body%has_closed_form()) then
                 call problems%add(key, 'this body has no exact solution', "use reference = 'quadruple'")
+            else if (did_you_mean(named, reference_names) /= '' .and. all(reference_names /= named) .and. &
+                     .not. file_exists(path_from(job%input%path, trim(named)))) then
+                call problems%add(key, "there is no reference or table '" // trim(named) // "'", &
+                                  did_you_mean(named, reference_names))
             else if (all(reference_names /= named)) then
                 allocate (self%stored)
                 call read_motion(job%input%path, key, trim(named), job%case, self%stored, problems)

@@ -7,7 +7,7 @@ module spintop_fit_data
     use spintop_kinds, only: dp, is_finite
     use spintop_errors, only: error_t, input_error
     use spintop_files, only: path_from
-    use spintop_logger_table, only: column_named, is_time, logger_table_t, read_logger_table, sigma_mark
+    use spintop_logger_table, only: base_of, column_named, is_time, logger_table_t, read_logger_table, sigma_mark
     use spintop_parameters, only: is_set
     use spintop_problems, only: problems_t
     use spintop_scene_keys, only: fit_scene_t
@@ -259,18 +259,15 @@ contains
         !> Whether a column has the standard deviations of another one, which has to be there.
         logical function is_deviation(name)
             character(*), intent(in) :: name
+            character(:), allocatable :: of
             type(study_column_t) :: found
             integer :: k
-            is_deviation = .false.
-            if (len(name) <= len(sigma_mark)) return
-            associate (of => name(:len(name) - len(sigma_mark)))
-                if (of // sigma_mark /= name) return
-                found = column_named(of)
-                is_deviation = found%place > 0
-                if (.not. is_deviation .or. any([(table%names(k)%text == of, k=1, size(table%names))])) return
-                call problems%add(key, 'the table has ' // name // ', but no column ' // of, &
-                                  'the standard deviations of a column are in its unit: give both the same name before _sigma')
-            end associate
+            of = base_of(name)
+            found = column_named(of)
+            is_deviation = of /= name .and. found%place > 0
+            if (.not. is_deviation .or. any([(table%names(k)%text == of, k=1, size(table%names))])) return
+            call problems%add(key, 'the table has ' // name // ', but no column ' // of, &
+                              'the standard deviations of a column are in its unit: give both the same name before _sigma')
         end function is_deviation
 
     end subroutine choose_columns
@@ -287,7 +284,6 @@ contains
         allocate (measured%sensor(size(columns)), source=0)
         allocate (measured%turn(size(columns)), source=0.0_dp)
         do i = 1, size(scene%sensors%column)
-            if (scene%sensors%column(i) == '') cycle
             k = place_of(columns, scene%sensors%column(i))
             if (k == 0) cycle
             if (measured%sensor(k) > 0) then
@@ -298,7 +294,6 @@ contains
             end if
         end do
         do i = 1, size(scene%wrapped)
-            if (scene%wrapped(i) == '') cycle
             k = place_of_wrapped(columns, scene%wrapped(i))
             if (k == 0) cycle
             call convert_unit(turn, trim(columns(k)%unit), measured%turn(k), problem)

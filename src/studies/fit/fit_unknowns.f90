@@ -9,10 +9,13 @@ module spintop_fit_unknowns
     use spintop_sensitivity, only: sensitive_key_t, sensitivities_t
     use spintop_study_column, only: place_of
     use spintop_sweep_axes, only: base_of
-    use spintop_text, only: string_t, to_text
+    use spintop_text, only: did_you_mean, string_t, to_text
     implicit none
     private
     public :: unknowns_t, find_unknowns, key_of
+
+    !> Keys of &fit that sensors of vectors have.
+    character(*), parameter :: vectors_of_sensors(2) = [character(9) :: 'mounting', 'lever_arm']
 
     !> The sought numbers, in the order of their vector: those that are common, those of the first run, of the second ...
     type :: unknowns_t
@@ -81,12 +84,15 @@ contains
         subroutine find_one(name, any_run)
             character(*), intent(in) :: name
             logical, intent(in) :: any_run !! whether it is enough that one of the runs has its sensor
+            character(:), allocatable :: nearest
             integer :: known
             known = size(sought%keys)
             if (is_of_sensor(name)) then
                 call find_sensor_number(name, any_run, job, measured, sought, key, problem, hint)
             else
                 call sought%find_key(name, job%input%table, job%axes, key, problem, hint)
+                nearest = did_you_mean(name(:index(name // '(', '(') - 1), vectors_of_sensors)
+                if (problem /= '' .and. nearest /= '') hint = nearest
             end if
             if (problem /= '' .or. key > known) return
             problem = name // ' is named twice'
@@ -164,8 +170,8 @@ contains
     !> Whether a name is that of a number of a sensor.
     pure logical function is_of_sensor(name)
         character(*), intent(in) :: name
-        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.'), index(name, 'mounting('), &
-                            index(name, 'lever_arm(')] == 1)
+        is_of_sensor = any([index(name, 'offset.'), index(name, 'scale.')] == 1) .or. &
+                       any(vectors_of_sensors == name(:index(name // '(', '(') - 1))
     end function is_of_sensor
 
     !> The key of the input that contains a sought number: that of a group of a sensor has a short name.
@@ -213,6 +219,7 @@ contains
                     k = place_of(columns, column)
                     is_measured(run) = k > 0
                     if (k == 0) k = findloc(columns%quantity() == column, .true., dim=1)
+                    if (k == 0 .and. did_you_mean(column, columns%name) /= '') hint = did_you_mean(column, columns%name)
                     if (.not. is_measured(run) .and. k > 0) hint = 'write ' // name(:index(name, '.')) // trim(columns(k)%name)
                     if (.not. is_measured(run)) cycle
                     if (index(name, 'offset.') == 1) found%unit = trim(columns(k)%unit)

@@ -20,7 +20,7 @@ module spintop_logger_table
     use spintop_units, only: convert_unit, own_spelling
     implicit none
     private
-    public :: logger_table_t, read_logger_table, sigma_mark, column_named, is_time
+    public :: logger_table_t, read_logger_table, sigma_mark, base_of, column_named, is_time
 
     !> What follows the name of a column in that of its standard deviations, row by row.
     character(*), parameter :: sigma_mark = '_sigma'
@@ -282,7 +282,7 @@ contains
 
     !> The name of a column without the mark of standard deviations.
     pure function base_of(name) result(base)
-        character(*), intent(in) :: name
+        character(*), intent(in) :: name !! such as `theta_deg_sigma`
         character(:), allocatable :: base
         integer :: mark
         base = name

@@ -82,8 +82,7 @@ class CTable(ctypes.Structure):
     _fields_ = (
         ("name", c_char_p),
         ("columns", POINTER(CColumn)),
-        ("column_count", c_longlong),
-        ("row_count", c_longlong),
+        *((name, c_longlong) for name in ("column_count", "row_count")),
         ("frame", c_char_p),
     )
 
@@ -92,11 +91,9 @@ class CResult(ctypes.Structure):
     """`spintop_result` of the header."""
 
     _fields_ = (
-        ("code", c_int),
-        ("table_count", c_int),
+        *((name, c_int) for name in ("code", "table_count")),
         ("tables", POINTER(CTable)),
-        ("summary", c_char_p),
-        ("warnings", c_char_p),
+        *((name, c_char_p) for name in ("summary", "warnings")),
         ("owner", c_void_p),
     )
 

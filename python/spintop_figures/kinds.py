@@ -1,5 +1,6 @@
 """Kinds of figures. A figure is a function with a line that says to which tables it belongs."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -40,19 +41,17 @@ class FigureKind(NamedTuple):
         Where it would be too high for a slide, letters are smaller, so that its panels are wider;
         letters of a given size stay, and the panels are lower.
         """
-        tables, is_slide = as_list(tables), options.width == "slide"
+        tables, asked, lack = as_list(tables), options.font_size, "does not fit on a slide"
         figure = self.draw_once(tables, options)
-        if is_slide and options.font_size and is_crowded(figure):
-            lack = f"does not fit on a slide with letters of {options.font_size:g} points"
-            hint = "without --font-size they are as large as fits"
-            raise TableError(f"{lack}; {hint}: no {self.name} figure")
-        while (
-            is_slide and not options.font_size and figure.get_size_inches()[1] > look.SLIDE_HEIGHT
-        ):
+        if options.width == "slide" and asked and is_crowded(figure):
+            lack += f" with letters of {asked:g} points; without --font-size they are as large as"
+            raise TableError(f"{lack} fits: no {self.name} figure")
+        most = look.SLIDE_HEIGHT if options.width == "slide" and not asked else math.inf
+        while figure.get_size_inches()[1] > most:
             with look.the_look(figure.options):
                 letters = look.LETTERS * look.scale() * 0.93
             if letters < look.SMALLEST:
-                raise TableError(f"does not fit on a slide: no {self.name} figure")
+                raise TableError(f"{lack}: no {self.name} figure")
             # as wide in centimetres, which leave the height free
             smaller = replace(options, width=look.WIDTHS["slide"], font_size=letters)
             figure = self.draw_once(tables, smaller)

@@ -55,44 +55,38 @@ def draw_peers(table: Table) -> Figure:
     figure, panels = panel_figure(
         table, title, len(problems), 4.2 if alone else 2.9, 0, 2.1, has_foot=True
     )
-    handles: dict[str, object] = {}
     for name, axes in zip(problems, panels, strict=True):
         rows = table.rows[(table.rows["problem"] == name) & ended_well(table.rows)]
-        handles |= draw_problem(axes, rows, min(len(problems), 2))
+        draw_problem(axes, rows, min(len(problems), 2))
         axes.set_title("" if alone else name_of(name))
     name_outer(panels, ("time", "s"), ("error of the attitude at the end", "rad"))
-    order = [*OWN_METHODS, "exact", *PEER_MARKERS, "floor"]
-    known = [handles[name] for name in order if name in handles]
-    legend_below(panels, known, by_width(4, 2))
+    handles = [handle for axes in panels for handle in axes.get_legend_handles_labels()[0]]
+    known = {handle.get_label(): handle for handle in reversed(handles)}
+    legend_below(panels, [*known.values()][::-1], by_width(4, 2))
     return figure
 
 
-def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> dict[str, object]:
-    """One problem, in a row of so many panels; gives what the legend shows, by name."""
-    handles: dict[str, object] = {}
+def draw_problem(axes: Axes, rows: pd.DataFrame, across: int) -> None:
+    """One problem, in a row of so many panels, in the order of the legend."""
     axes.set(xscale="log", yscale="log", ylim=(LEAST_ERROR, 10))
-    floor = rows["inherent_error"].max()
-    if math.isfinite(floor):
-        style = {"color": FAINT, "linewidth": 0, "label": FLOOR}
-        handles["floor"] = axes.axhspan(LEAST_ERROR / 10, floor, **style)
-    for program, marker in PEER_MARKERS.items():
-        style = PEER | {"marker": marker, "label": program}
-        draw_front(axes, rows[rows["program"] == program], program, style, handles)
     own = rows[rows["program"] == OWN]
     for method in (*OWN_METHODS, "exact"):
         look = {"linestyle": "-", "linewidth": 1.6}
         look = {"linestyle": "", "markersize": 9} if method == "exact" else look
         style = style_of(method) | look | {"label": f"{OWN}, {name_of(method)}", "zorder": 3}
-        draw_front(axes, own[own["method"] == method], method, style, handles)
+        draw_front(axes, own[own["method"] == method], style)
+    for program, marker in PEER_MARKERS.items():
+        style = PEER | {"marker": marker, "label": program}
+        draw_front(axes, rows[rows["program"] == program], style)
+    if math.isfinite(floor := rows["inherent_error"].max()):
+        style = {"color": FAINT, "linewidth": 0, "label": FLOOR}
+        axes.axhspan(LEAST_ERROR / 10, floor, **style)
     few_ticks(axes.xaxis, 9 // across)
     few_ticks(axes.yaxis, 9)
     axes.grid(alpha=0.4)
-    return handles
 
 
-def draw_front(
-    axes: Axes, rows: pd.DataFrame, name: str, style: dict, handles: dict[str, object]
-) -> None:
+def draw_front(axes: Axes, rows: pd.DataFrame, style: dict) -> None:
     """The rows than which no other of these is both cheaper and more exact."""
     rows = rows.sort_values(["time_s", "orientation_error"])
     errors, times = (rows[key].to_numpy(float) for key in ("orientation_error", "time_s"))
@@ -100,7 +94,7 @@ def draw_front(
     chosen = np.append(True, best[1:] < best[:-1])[: errors.size] & (errors <= LARGEST_ERROR)
     if chosen.any():
         shown = np.maximum(errors[chosen], LEAST_ERROR * 2)
-        (handles[name],) = axes.plot(times[chosen], shown, **style)
+        axes.plot(times[chosen], shown, **style)
 
 
 @figure(

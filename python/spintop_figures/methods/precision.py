@@ -17,7 +17,7 @@ from spintop_figures.methods import known
 from spintop_figures.style import numbers
 from spintop_figures.style.axes import few_ticks, letters_of, name_axis, name_rows, wrapped
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, by_width, is_slide, tint
-from spintop_figures.style.page import head, is_lowest, legend_below, new_figure, panel_figure
+from spintop_figures.style.page import head, is_lowest, legend_below, panel_figure
 from spintop_figures.sweeps import maps
 from spintop_figures.sweeps.maps import Grid
 from spintop_figures.sweeps.quantities import tell_failed
@@ -507,8 +507,7 @@ def draw_choice(table: Table) -> Figure:
         title += f"no more than {numbers.write(NEAR)} times as long as the cheapest method in "
         title += f"{within} of {len(choices)} comparisons"
     targets = [target for target in TARGETS if any(c.target == target for c in choices)]
-    figure = new_figure(table, title, 1.4 + 0.75 * len(targets))
-    axes = figure.add_subplot()
+    figure, (axes,) = panel_figure(table, title, 1, 0.75 * len(targets), above=1.4)
     axes.axvspan(1, NEAR, color=FAINT, alpha=0.4, linewidth=0)
     axes.axvline(1, color=GREY, linewidth=0.8)
     edge = max(1.15 * worst, 1.15 * NEAR)

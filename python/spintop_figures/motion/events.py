@@ -9,7 +9,7 @@ from spintop_figures.kinds import figure
 from spintop_figures.style.axes import MANY_POINTS, name_axis
 from spintop_figures.style.look import LINES
 from spintop_figures.style.numbers import localised, write, write_count
-from spintop_figures.style.page import TIME, name_outer, new_figure, panel_figure
+from spintop_figures.style.page import TIME, name_outer, panel_figure
 from spintop_figures.tables.names import axis_of, column_of, name_of, sign_of
 from spintop_figures.tables.table import Table
 
@@ -23,8 +23,8 @@ def draw_events(table: Table) -> Figure:
     The instants of the events, one row per kind; where there are many, how many per interval.
     """
     names = list(table.rows["event"].unique())
-    figure = new_figure(table, "Events of the motion", 1.5 + 0.36 * len(names))
-    axes = figure.add_subplot()
+    height = 0.36 * len(names)
+    figure, (axes,) = panel_figure(table, "Events of the motion", 1, height, above=1.5)
     times, labels = table.column("t"), []
     begin, end = min(0.0, times.min()), times.max()
     for place, name in enumerate(names):

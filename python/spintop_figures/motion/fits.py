@@ -13,10 +13,10 @@ from matplotlib.patches import Patch
 
 from spintop_figures.kinds import figure
 from spintop_figures.style.axes import name_axis
-from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_width
+from spintop_figures.style.look import FAINT, FAULT, GREY, LINES, by_width, drawn_size
 from spintop_figures.style.look import scale as scale_of_letters
 from spintop_figures.style.numbers import TIMES, decimals_for, localised, with_power, write
-from spintop_figures.style.page import TIME, head, new_figure, no_axis
+from spintop_figures.style.page import TIME, head, name_outer, new_figure, no_axis
 from spintop_figures.tables.names import name_of, raised, sign_of
 from spintop_figures.tables.table import Table, TableError, read_table
 
@@ -79,26 +79,22 @@ def draw_fit(table: Table) -> Figure:
     which = f", run {run}: {runs[run - 1]}" if 1 < len(runs) >= run else ""
     figure = new_figure(table, f"Fit of a motion to measurements{which}", 1.0 + height)
     figure.get_layout_engine().set(hspace=0.02)
-    heights, widths = [PAIR * 1.7 / 2.7, PAIR / 2.7] * down, [drawn_width()]
+    heights, widths = [PAIR * 1.7 / 2.7, PAIR / 2.7] * down, [drawn_size()[0]]
     if by_width(True, False):
-        widths = [(drawn_width() - 2.2) / across] * across + [2.2]  # inches for the fitted values
+        widths = [(drawn_size()[0] - 2.2) / across] * across + [2.2]  # inches for the fitted values
     else:
         heights.append(beside)
     shape = {"width_ratios": widths, "height_ratios": heights}
     grid = figure.add_gridspec(len(heights), len(widths), **shape)
     side = grid[:, across] if len(widths) > 1 else grid[-1, 0]
-    first = None
+    panels: list[Axes] = []
     for place, name in enumerate(names):
-        column, line = divmod(place, down)
-        above = figure.add_subplot(grid[2 * line, column], sharex=first)
-        first = first or above
-        below = figure.add_subplot(grid[2 * line + 1, column], sharex=first)
-        draw_column(table, name, above, below)
-        is_lowest = line == down - 1 or place == len(names) - 1
-        above.tick_params(labelbottom=False)
-        below.tick_params(labelbottom=is_lowest)
-        if is_lowest:
-            name_axis(below.xaxis, *TIME)
+        column, line = divmod(2 * place, 2 * down)
+        for row in (line, line + 1):
+            first = panels[0] if panels else None
+            panels.append(figure.add_subplot(grid[row, column], sharex=first))
+        draw_column(table, name, *panels[-2:])
+    name_outer(panels, TIME)
     axes = no_axis(figure.add_subplot(side))
     handles = [
         Line2D([], [], **MEASURED, label="measured"),

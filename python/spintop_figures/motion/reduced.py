@@ -16,7 +16,7 @@ from spintop_figures.moving.body import GRAVITY, read_body
 from spintop_figures.style.axes import Places, draw_heads, name_axes, name_axis
 from spintop_figures.style.look import FAINT, GREY, GROUND, INK, LINES, OURS, PALE, by_width
 from spintop_figures.style.numbers import decimals_for, write_fixed
-from spintop_figures.style.page import legend_above, new_figure
+from spintop_figures.style.page import legend_above, panel_figure
 from spintop_figures.tables.names import axis_of
 from spintop_figures.tables.table import Table
 
@@ -147,8 +147,7 @@ def turns_of(reduced: Reduced) -> list[tuple[float, bool]]:
 def draw_potential(table: Table) -> Figure:
     """Effective potential of a symmetric top, with the turning points."""
     reduced = find_reduced(table)
-    figure = new_figure(table, "Effective potential of the inclination", 4.2)
-    axes = figure.subplots()
+    figure, (axes,) = panel_figure(table, "Effective potential of the inclination", 1, 4.2, above=0)
     low, high = seen(reduced)
     theta, ends = clustered(low, high), turns_of(reduced)
     degrees, turns = np.degrees(theta), np.degrees([end for end, _ in ends])
@@ -180,8 +179,7 @@ def draw_potential(table: Table) -> Figure:
 def draw_portrait(table: Table) -> Figure:
     """Phase portrait of the inclination of a symmetric top."""
     reduced = find_reduced(table)
-    figure = new_figure(table, "Phase portrait of the inclination", 4.6)
-    axes = figure.subplots()
+    figure, (axes,) = panel_figure(table, "Phase portrait of the inclination", 1, 4.6, above=0)
     low, high = seen(reduced)
     fastest = np.sqrt(2 * (reduced.energy - reduced.bottom()) / reduced.inertia)
     draw_levels(axes, reduced, (low, high), 1.4 * fastest)
@@ -271,8 +269,9 @@ def object_to_bifurcation(table: Table) -> str:
 def draw_bifurcation(table: Table) -> Figure:
     """Bifurcation diagram of a symmetric top: its momenta and energy among all motions."""
     constants = Constants(find_reduced(table))
-    figure = new_figure(table, "Bifurcation diagram of the symmetric top", 4.4)
-    axes = figure.subplots()
+    figure, (axes,) = panel_figure(
+        table, "Bifurcation diagram of the symmetric top", 1, 4.4, above=0
+    )
     edge = 1.12 * max(1, abs(constants.ratio))
     ratio, energy = constants.steady()
     near = abs(ratio) <= 3 * edge  # the edge cuts it off

@@ -281,7 +281,7 @@ MOTIONS = {
 def draw_traces(tables: Sequence[Table]) -> Figure:
     """Paths of the axis tip on the unit sphere, side by side."""
     across = min(len(tables), look.by_width(3, 2))
-    side = min(4.6, look.drawn_width() / across)
+    side = min(4.6, look.drawn_size()[0] / across)
     grid = {"share": "", "has_foot": True, "across": across}
     row = 1.1 * side + 0.65  # with the vertical, and words above
     title = "Path of the axis tip on the unit sphere"

@@ -15,6 +15,7 @@ import numpy as np
 from spintop_figures.moving.assumptions import acting
 from spintop_figures.moving.body import Body, draw_body, read_body
 from spintop_figures.tables.table import Table, cells_in, line_of, lines_of_text, printable
+from spintop_figures.tables.words import say
 
 ANGLES = ("phi", "theta", "psi")
 QUATERNION = ("q0", "q1", "q2", "q3")
@@ -270,7 +271,7 @@ def motion_facts(table: Table, data: Data, anchor: str) -> dict[str, object]:
         "columns": [name for group in GROUPS if is_whole(table, group) for name in group],
         "scene": scene_of(table, body, omega),
         "exact": table.header.get("method", "") == "exact",
-        "notes": lacking(table, body, omega),
+        "notes": [*map(say, lacking(table, body, omega))],
         "extremes": extremes_of(table, body, omega),
     }
     if data.stride > 1:

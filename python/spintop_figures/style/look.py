@@ -228,14 +228,9 @@ def drawn_size() -> tuple[float, float]:
     return width / scale(), most / scale()
 
 
-def drawn_width() -> float:
-    """The width of a figure in inches of the usual letters."""
-    return drawn_size()[0]
-
-
 def by_width(wide: Any, narrow: Any) -> Any:
     """The first on a figure as wide as a page or on a slide, the second on a narrow column."""
-    return wide if drawn_width() > 5.0 or is_slide() else narrow
+    return wide if drawn_size()[0] > 5.0 or is_slide() else narrow
 
 
 def is_slide() -> bool:

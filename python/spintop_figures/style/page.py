@@ -72,14 +72,14 @@ def new_figure(
     figure that wants another width has smaller letters where it is to be narrower.
     """
     tables = [tables] if isinstance(tables, Table) else list(tables)
-    asked = look.drawn_width() * look.scale()
-    if width and width > look.drawn_width() and not math.isclose(asked, look.DEFAULT.inches()):
+    asked = look.drawn_size()[0] * look.scale()
+    if width and width > look.drawn_size()[0] and not math.isclose(asked, look.DEFAULT.inches()):
         size = look.LETTERS * asked / width
         if size < look.SMALLEST:
             least = math.ceil(width * look.SMALLEST / look.LETTERS / look.CENTIMETRE)
             raise TableError(f"needs a width of {least} cm")
         mpl.rcParams["font.size"] = size  # within the look, which sets it back
-    width, height = width or look.drawn_width(), min(height, look.drawn_size()[1])
+    width, height = width or look.drawn_size()[0], min(height, look.drawn_size()[1])
     figure = Page(figsize=(width * look.scale(), height * look.scale()), layout="constrained")
     figure.provenance = provenance_of(tables)
     figure.get_layout_engine().set(w_pad=0.08, h_pad=0.06, hspace=0.03)
@@ -111,9 +111,14 @@ def finish(figure: Page, options: look.Options, tables: Sequence[Table]) -> Page
     return figure
 
 
+def panels_of(figure: Figure) -> list[Axes]:
+    """The panels of a figure, without what stands beside them."""
+    return [axes for axes in figure.axes if axes.axison and axes.get_subplotspec()]
+
+
 def draw_lines_at(figure: Figure, which: str, values: object) -> None:
     """Lines at values of x or of y, which all panels have to have in common."""
-    panels = [axes for axes in figure.axes if axes.axison and axes.get_subplotspec()]
+    panels = panels_of(figure)
     shared = getattr(panels[0], f"get_shared_{which}_axes")().get_siblings(panels[0])
     unit = getattr(getattr(panels[0], f"{which}axis").get_major_formatter(), "unit", None)
     if unit is None or set(panels) - set(shared):
@@ -240,7 +245,7 @@ def legend_below(
     style |= {"title_fontsize": "small", "loc": "center left" if is_beside else "upper center"}
     for ncols in range(1 if is_beside else columns, 0, -1):
         legend = below.legend(**style, ncols=ncols)
-        if legend.get_window_extent().width <= figure.bbox.width:
+        if legend.get_window_extent().width <= 1.05 * figure.bbox.width:  # with an unseen frame
             break
 
 
@@ -332,17 +337,14 @@ def is_crowded(figure: Page) -> bool:
     """Whether a page has too little room for a panel, or for what stands beside the panels."""
     page = figure.get_size_inches()
     with look.the_look(figure.options), warnings.catch_warnings():
-        warnings.simplefilter("error", UserWarning)  # there is no layout
+        warnings.filterwarnings("error", "constrained_layout not applied")
         try:
             lay_out(figure)
         except UserWarning:
             return True
         shown, least = figure.get_tightbbox(), np.array(LEAST_PANEL) * look.scale()
-    panels = [axes for axes in figure.axes if axes.axison and axes.get_subplotspec()]
-    is_beyond = (shown.min < -EDGE).any() or (shown.max > page + EDGE).any()
-    return bool(is_beyond) or any(
-        (page * axes.get_position().size < least).any() for axes in panels
-    )
+    sizes = np.reshape([page * axes.get_position().size for axes in panels_of(figure)], (-1, 2))
+    return bool(min(shown.min) < -EDGE or (shown.max > page + EDGE).any() or (sizes < least).any())
 
 
 def save_as(

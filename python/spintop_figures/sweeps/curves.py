@@ -178,16 +178,12 @@ def draw_curve(
         axes.set_ylim(-0.5, len(axes.get_yticks()) - 0.5)
         head(axes, quantity.label)
         return
-    numbers = quantity.shown(np.where(failed, np.nan, values.to_numpy(float)))
-    none = quantity.is_none(numbers)
-    numbers = np.where(none, 0.0, numbers)
+    numbers, after = quantity.heights(np.where(failed, np.nan, values.to_numpy(float)))
     if quantity.has_log_scale(numbers):
         axes.set_yscale("log")
-        numbers = np.where(numbers > 0, numbers, np.nan)
     elif np.nanmin(numbers) < 0 < np.nanmax(numbers):
         axes.axhline(0, color=FAINT, linewidth=0.8)
     draw_joined(axes, x, numbers, style)
-    after = f"; 0: {quantity.none}" if none.any() else ""
     head(axes, quantity.label, axes.yaxis, quantity.unit, after)
 
 

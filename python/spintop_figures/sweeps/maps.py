@@ -63,9 +63,8 @@ def scale_of(quantity: Quantity, values: np.ndarray) -> tuple[colors.Normalize, 
     if first < 0 < last:
         last = max(-first, last)
         first = -last
-    ends = {(True, True): "both", (True, False): "min", (False, True): "max"}
-    beyond = bool(finite.min() < first), bool(finite.max() > last)
-    return colors.Normalize(first, last), ends.get(beyond, "neither")
+    beyond = (finite.min() < first) + 2 * (finite.max() > last)
+    return colors.Normalize(first, last), ("neither", "min", "max", "both")[beyond]
 
 
 def is_signed(norm: colors.Normalize) -> bool:

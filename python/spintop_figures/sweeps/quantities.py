@@ -55,6 +55,14 @@ class Quantity(NamedTuple):
         # eigenvalues are double at the limit of stability: the root of rounding is seen
         return np.abs(values) <= 1e-6 * np.abs(finite).max()
 
+    def heights(self, values: np.ndarray) -> tuple[np.ndarray, str]:
+        """Where values stand on their axis, and what its name says of those that stand at zero."""
+        values, none = self.shown(values), self.is_none(values)
+        values = np.where(none, 0.0, values)
+        if self.has_log_scale(values):
+            values = np.where(values > 0, values, np.nan)
+        return values, f"; 0: {self.none}" if none.any() else ""
+
     def has_log_scale(self, values: np.ndarray) -> bool:
         """Whether values above zero or equal to it have a log scale."""
         finite = values[np.isfinite(values)]

@@ -196,11 +196,7 @@ def heights_of(quantity: Quantity, rows: pd.DataFrame) -> pd.Series:
         codes = {name: code for code, name in enumerate(quantities.order_classes(values))}
         # the golden ratio spreads them
         return values.map(codes) + 0.3 * (2 * ((5**0.5 - 1) / 2 * rows["case"] % 1) - 1)
-    numbers = values.to_numpy(float)
-    numbers = quantity.shown(np.where(quantity.is_none(numbers), 0.0, numbers))
-    if quantity.has_log_scale(numbers):
-        numbers = np.where(numbers > 0, numbers, np.nan)
-    return pd.Series(numbers, rows.index)
+    return pd.Series(quantity.heights(values.to_numpy(float))[0], rows.index)
 
 
 def draw_density(
@@ -238,7 +234,7 @@ def scale_heights(
     axes: Axes, quantity: Quantity, rows: pd.DataFrame, heights: pd.Series, is_first: bool
 ) -> None:
     """The scale of a quantity: names of classes, a log axis, or a line where its sign changes."""
-    values, after = quantity.values(rows), ""
+    values = quantity.values(rows)
     axes.tick_params(which="both", labelleft=is_first)
     if quantities.is_words(values):
         quantities.draw_class_ticks(axes, values, values)
@@ -252,9 +248,8 @@ def scale_heights(
         axes.yaxis.set_major_locator(Places(5))
         if heights.min() < 0 < heights.max():
             axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
-    if quantity.is_none(values.to_numpy(float)).any():
-        after = f"; 0: {quantity.none}"
     if is_first:
+        after = quantity.heights(values.to_numpy(float))[1]
         name_axis(axes.yaxis, quantity.label, quantity.unit, after, letters=LETTERS)
 
 

@@ -154,7 +154,7 @@ def draw_precision_curves(
         axes.axhspan(1e-30, max(floor, LEAST_ERROR), color=FAINT, linewidth=0, zorder=0)
         style = {"fontsize": "small", "va": "bottom", "ha": "right", "zorder": 5}
         style["path_effects"] = [withStroke(linewidth=3, foreground=FAINT)]
-        words = wrapped(FLOOR, by_width(24, 16))
+        words = wrapped(FLOOR, by_width(24 if is_slide() else 46, 16))
         axes.annotate(words, (0.99, 0.015), xycoords="axes fraction", **style)
     cost, error = (rows[name].to_numpy(float) for name in (x, "error_max"))
     shown = ended_well(rows).to_numpy() & (cost > 0) & np.isfinite(error)

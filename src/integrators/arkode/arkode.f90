@@ -17,7 +17,7 @@ module spintop_arkode
         status_outside, status_step_too_small
     use spintop_literals, only: read_real
     use spintop_stepper, only: method_info_t, name_of_method, run_state_t, stepper_t
-    use spintop_text, only: lower_case, replace_all, split, string_t, to_text
+    use spintop_text, only: append, lower_case, replace_all, split, string_t, to_text
     implicit none
     private
     public :: arkode_table_t, arkode_table_names, arkode_table, find_orders, arkode_t
@@ -96,24 +96,16 @@ module spintop_arkode
     !> What the functions that ARKODE calls during a step need.
     type :: step_t
         type(run_state_t), pointer :: run => null()
-        logical :: adaptive = .true.
         !> Status of the last evaluation of the right-hand side.
         integer :: status = status_ok
     end type step_t
-
-    !> The run on the side of C. It has no default value: gfortran 14 takes the allocation of a finalizable type with default
-    !> values for a structure constructor, which Fortran 2008 would finalize.
-    type :: handle_t
-        type(c_ptr) :: address
-    contains
-        final :: release
-    end type handle_t
 
     !> ARKStep with an explicit or, if `info%implicit`, a diagonally implicit table.
     type, extends(grid_stepper_t) :: arkode_t
         !> A table that is not of ARKODE's own.
         type(arkode_table_t), allocatable :: own
-        type(handle_t), allocatable :: handle
+        !> The run on the side of C.
+        type(c_ptr) :: handle = c_null_ptr
         type(step_t) :: current = step_t()
         !> The state as ARKODE has it.
         real(dp) :: y_known(max_states) = 0
@@ -161,15 +153,9 @@ contains
         logical, intent(in) :: implicit_tables !! true for the implicit tables, false for the explicit ones
         type(string_t), allocatable :: names(:)
         character(40) :: name
-        integer(c_int) :: i, group
-        group = merge(1_c_int, 0_c_int, implicit_tables)
-        i = 0
-        do while (name_of_table(group, i + 1, name) /= 0)
-            i = i + 1
-        end do
-        allocate (names(i))
-        do i = 1, size(names)
-            if (name_of_table(group, i, name) /= 0) names(i)%text = lower_case(name(:index(name, c_null_char) - 1))
+        allocate (names(0))
+        do while (name_of_table(merge(1_c_int, 0_c_int, implicit_tables), size(names) + 1, name) /= 0)
+            call append(names, lower_case(name(:index(name, c_null_char) - 1)))
         end do
     end function arkode_table_names
 
@@ -213,27 +199,26 @@ contains
         table = table_of(self)
         if (table%stages == 0) return
         info = self%formulation%info()
-        self%current = step_t(adaptive=self%controls%steps == 0)
         tolerances = fixed_step_tolerance
-        if (self%current%adaptive) then
+        if (self%controls%steps == 0) then
             ! ARKODE limits the root mean square of the errors of the components. With this factor no component exceeds its
             ! tolerance, as with ode45.
             tolerances = [self%controls%relative_tolerance, self%controls%absolute_tolerance] / sqrt(real(info%states, dp))
         end if
         call self%set_weight(tolerances(1), tolerances(2))
         self%y_known = self%y
-        if (allocated(self%handle)) deallocate (self%handle)
-        allocate (self%handle)
-        self%handle%address = create_run(int(info%states, c_int), self%t, self%y, self%formulation%units(), &
+        call self%finish()
+        self%handle = create_run(int(info%states, c_int), self%t, self%y, self%formulation%units(), &
             self%formulation%scale, self%weight%absolute, self%weight%relative, merge(1_c_int, 0_c_int, self%formulation%cyclic), &
-            table, merge(1_c_int, 0_c_int, self%current%adaptive), merge(1_c_int, 0_c_int, self%controls%fixed_point))
-        if (c_associated(self%handle%address)) status = status_ok
+            table, merge(1_c_int, 0_c_int, self%controls%steps == 0), merge(1_c_int, 0_c_int, self%controls%fixed_point))
+        if (c_associated(self%handle)) status = status_ok
     end subroutine begin
 
     !> Frees what ARKODE keeps of the run.
     subroutine finish(self)
         class(arkode_t), intent(inout) :: self
-        if (allocated(self%handle)) deallocate (self%handle)
+        call destroy_run(self%handle)
+        self%handle = c_null_ptr
     end subroutine finish
 
     !> One accepted step; rejected steps are counted.
@@ -248,7 +233,7 @@ contains
             call restart(self, 0.0_dp)
         end if
         if (.not. is_ok(status)) return
-        if (self%current%adaptive) then
+        if (self%controls%steps == 0) then
             call advance_adaptively(self, status)
         else
             call advance_on_grid(self, status)
@@ -260,7 +245,7 @@ contains
         class(arkode_t), intent(inout) :: self
         real(dp), intent(in) :: h
         self%y_known = self%y
-        call restart_run(self%handle%address, self%t, self%y, h)
+        call restart_run(self%handle, self%t, self%y, h)
     end subroutine restart
 
     !> A step on the grid of fixed step size, or where it ends.
@@ -295,7 +280,7 @@ contains
         do
             call take_step(self, 0.0_dp, self%t_end, stop_time, status)
             if (is_ok(status) .or. is_ok(self%current%status)) exit
-            h = cut * last_trial(self%handle%address)
+            h = cut * last_trial(self%handle)
             if (.not. h > 0) h = cut**2 * (stop_time - self%t)
             if (h <= h_smallest) exit
             call restart(self, h)
@@ -316,7 +301,7 @@ contains
         jacobians = 0
         self%current%run => self%run_state_t
         self%current%status = status_ok
-        status = status_of(step_of_run(self%handle%address, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
+        status = status_of(step_of_run(self%handle, c_loc(self%current), h, t_end, t_stop, rejected, jacobians))
         if (.not. is_ok(status)) then
             evaluations = self%counts%evaluations
             self%run_state_t = before
@@ -327,12 +312,6 @@ contains
         self%counts%rejected = self%counts%rejected + rejected
         self%counts%jacobians = self%counts%jacobians + jacobians
     end subroutine take_step
-
-    subroutine release(self)
-        type(handle_t), intent(inout) :: self
-        call destroy_run(self%address)
-        self%address = c_null_ptr
-    end subroutine release
 
     !> y' = f(t, y), called by ARKODE. The slope at the state reached is known and costs nothing.
     integer(c_int) function find_slope(current, t, y, slope) bind(C, name='spintop_arkode_rhs') result(verdict)
@@ -355,7 +334,7 @@ contains
         verdict = go_on
         if (is_ok(now%status)) return
         verdict = give_up
-        if (now%adaptive .or. now%status == status_outside) verdict = retry
+        if (now%run%controls%steps == 0 .or. now%status == status_outside) verdict = retry
     end function find_slope
 
     !> After an accepted step to `t`, called by ARKODE, which continues from the state that the formulation makes of it.
@@ -382,14 +361,9 @@ contains
         type(method_info_t) :: info
         character(:), allocatable :: orders
         associate (table => tableau%table)
-            info%name = tableau%name
-            info%implicit = table%implicit /= 0
-            info%order = int(table%order)
-            info%adaptive = table%embedded_order > 0
-            info%fixed_step = .true.
-            info%caught_by_reset = table%order == 1
-            info%family = 'own table'
-            orders = to_text(int(table%order))
+            info = method_info_t(tableau%name, order=int(table%order), fixed_step=.true., adaptive=table%embedded_order > 0, &
+                                 implicit=table%implicit /= 0, caught_by_reset=table%order == 1, family='own table')
+            orders = to_text(info%order)
             if (info%adaptive) orders = orders // '(' // to_text(int(table%embedded_order)) // ')'
             info%what = trim(merge('implicit', 'explicit', info%implicit)) // ' Runge-Kutta method of order ' // orders // &
                         ' with ' // to_text(int(table%stages)) // ' stages, from a file'
@@ -408,10 +382,10 @@ contains
         character(*), intent(in) :: text !! contents of the file
         type(tableau_t), intent(out) :: tableau !! the table, if there is no problem
         character(:), allocatable, intent(out) :: problem !! what is wrong; '' if nothing is
-        real(dp) :: values(max_arkode_stages)
+        real(dp), allocatable :: values(:)
         type(string_t), allocatable :: lines(:)
         character(:), allocatable :: line
-        integer :: number, order_line, count, rows, bar
+        integer :: number, order_line, rows, bar
 
         problem = ''
         rows = 0
@@ -421,17 +395,16 @@ contains
             if (problem /= '') exit
             line = trim(lines(number)%text(:scan(lines(number)%text // '#', '#') - 1))
             bar = index(line, '|')
-            if (line == '') then
-                cycle
-            else if (index(line, 'order ') == 1) then
+            if (line == '') cycle
+            if (index(line, 'order ') == 1) then
                 order_line = number
-                call read_numbers(line(7:), values, count, problem)
-                if (problem == '') call set_orders(values(:count), tableau%table, problem)
+                call read_numbers(line(7:), values, problem)
+                if (problem == '') call set_orders(values, tableau%table, problem)
             else if (bar == 0) then
                 problem = "this is neither 'order P' nor a row of the table, which has a bar: c | a1 a2 ..."
             else
-                call read_numbers(line(bar + 1:), values, count, problem)
-                if (problem == '') call add_row(line(:bar - 1), values(:count), tableau%table, rows, problem)
+                call read_numbers(line(bar + 1:), values, problem)
+                if (problem == '') call add_row(line(:bar - 1), values, tableau%table, rows, problem)
             end if
             if (problem /= '') problem = 'line ' // to_text(number) // ': ' // problem
         end do
@@ -439,24 +412,23 @@ contains
     end subroutine parse_tableau
 
     !> The numbers of a text, which may be fractions.
-    subroutine read_numbers(text, values, count, problem)
+    subroutine read_numbers(text, values, problem)
         character(*), intent(in) :: text
-        real(dp), intent(out) :: values(max_arkode_stages)
-        integer, intent(out) :: count
+        real(dp), allocatable, intent(out) :: values(:)
         character(:), allocatable, intent(out) :: problem
         type(string_t), allocatable :: words(:)
+        real(dp) :: value
         integer :: i
 
-        values = 0
-        count = 0
+        allocate (values(0))
         problem = ''
         call split(text, ' ', words)
         do i = 1, size(words)
             if (words(i)%text == '') cycle
-            if (count == max_arkode_stages) problem = 'a table has at most ' // to_text(max_arkode_stages) // ' stages'
+            if (size(values) == max_arkode_stages) problem = 'a table has at most ' // to_text(max_arkode_stages) // ' stages'
             if (problem /= '') return
-            count = count + 1
-            call read_number(words(i)%text, values(count), problem)
+            call read_number(words(i)%text, value, problem)
+            values = [values, value]
         end do
     end subroutine read_numbers
 

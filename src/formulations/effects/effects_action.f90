@@ -4,7 +4,7 @@ module spintop_effects_action
     use spintop_attitude, only: quaternion_product, rotation_minus_one
     use spintop_body, only: body_t
     use spintop_kinds, only: dp, pi, is_zero, cross
-    use spintop_effects, only: effect_frame, effect_rotor, effects_t, timeless_effects
+    use spintop_effects, only: effect_frame, effect_rotor, timeless_effects
     use spintop_kernel_types, only: max_states => numbers
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, total_momentum, works
     use spintop_motions, only: instants
@@ -23,8 +23,8 @@ module spintop_effects_action
         logical :: may_stick = .false., may_slip = .false., may_turn = .false., has_load = .false., does_work = .true.
         !> Whether friction follows a table.
         logical :: has_rows = .false.
+        !> The body with its effects.
         type(body_t), private :: body
-        type(effects_t), private :: effects
     contains
         procedure :: set
         procedure :: find_powers => find_powers_of_action
@@ -74,14 +74,12 @@ contains
         class(effects_action_t), intent(inout) :: self
         type(body_t), intent(in) :: body !! mass properties about the fixed point, and its effects
         self%body = body
-        self%effects = effects_t()
-        if (allocated(body%effects)) self%effects = body%effects
-        self%may_stick = self%effects%is_dry()
-        self%may_slip = self%may_stick .and. .not. self%effects%only(timeless_effects)
-        self%may_turn = self%effects%has_cusps()
-        self%has_rows = allocated(self%effects%friction_table)
-        self%has_load = self%effects%friction_arm > 0
-        self%does_work = .not. self%effects%only(effect_frame + effect_rotor) .or. any(body%damping > 0)
+        self%may_stick = self%body%effects%is_dry()
+        self%may_slip = self%may_stick .and. .not. self%body%effects%only(timeless_effects)
+        self%may_turn = self%body%effects%has_cusps()
+        self%has_rows = allocated(self%body%effects%friction_table)
+        self%has_load = self%body%effects%friction_arm > 0
+        self%does_work = .not. self%body%effects%only(effect_frame + effect_rotor) .or. any(body%damping > 0)
     end subroutine set
 
     !> Power of each part of the work (`spintop_loads`) at several instants.
@@ -89,7 +87,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
         real(dp), intent(out) :: power(instants, works) !! of each part at each instant, W
-        call find_powers(self%body, self%effects, t, y(:, 1:4), y(:, 5:7), power)
+        call find_powers(self%body, self%body%effects, t, y(:, 1:4), y(:, 5:7), power)
     end subroutine find_powers_of_action
 
     !> The first time after `t` at which f is not smooth, that of the next knot of the table of torques, s; `huge` if there is
@@ -98,7 +96,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         next_knot = huge(t)
-        if (allocated(self%effects%table)) next_knot = self%effects%table%next_knot(t)
+        if (allocated(self%body%effects%table)) next_knot = self%body%effects%table%next_knot(t)
     end function next_knot
 
     !> The time up to which a step from `t` may reach in which f is smooth, as far as the table of torques tells, s.
@@ -106,7 +104,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         smooth_until = huge(t)
-        if (allocated(self%effects%table)) smooth_until = self%effects%table%smooth_until(t)
+        if (allocated(self%body%effects%table)) smooth_until = self%body%effects%table%smooth_until(t)
     end function smooth_until
 
     !> The time of a jump of the torques at which a step has ended, s; otherwise `t`.
@@ -114,7 +112,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         after_jump = t
-        if (allocated(self%effects%table)) after_jump = self%effects%table%after_jump(t)
+        if (allocated(self%body%effects%table)) after_jump = self%body%effects%table%after_jump(t)
     end function after_jump
 
     !> |w| and -|w|'.
@@ -123,7 +121,7 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp) :: rate(3)
         type(loads_t) :: loads
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
         rate = acceleration(self%body, loads)
         turning = turning_t(t, norm2(loads%omega), across=norm2(loads%omega))
         if (.not. (turning%speed > 0 .and. norm2(rate) > 0)) return
@@ -138,9 +136,9 @@ contains
         real(dp) :: slack
         type(loads_t) :: loads
         integer :: i
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
-        associate (axis => self%effects%friction_axis, table => self%effects%friction_table)
-            slack = self%effects%slack_of_spin(loads%omega)
+        call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+        associate (axis => self%body%effects%friction_axis, table => self%body%effects%friction_table)
+            slack = self%body%effects%slack_of_spin(loads%omega)
             i = table%interval_towards(dot_product(axis, loads%omega), dot_product(axis, acceleration(self%body, loads)), slack)
             rows = row_interval_t(table%knots(i) - slack, table%knots(i + 1) + slack)
         end associate
@@ -151,8 +149,8 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         type(loads_t) :: loads
-        call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
-        spin = dot_product(self%effects%friction_axis, loads%omega)
+        call find_kinematics(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
+        spin = dot_product(self%body%effects%friction_axis, loads%omega)
     end function spin_of_rows
 
     !> Vectors at whose zeros f is not smooth: w, rad/s, in body axes; w x r, m/s, likewise, if it is dragged; the support
@@ -164,13 +162,13 @@ contains
         type(loads_t) :: loads
         vectors = 0
         if (self%has_load) then
-            call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+            call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
             vectors(:, direction_force) = matmul(loads%rows, loads%force)
         else
-            call find_kinematics(self%body, self%effects, t, y(1:4), y(5:7), loads)
+            call find_kinematics(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
         end if
         vectors(:, direction_omega) = loads%omega
-        if (.not. self%effects%drag_force > 0) return
+        if (.not. self%body%effects%drag_force > 0) return
         associate (w => loads%omega, r => self%body%centre_of_mass)
             vectors(:, direction_velocity) = cross(w, r)
             ! Of a body that turns about r, rounding has any direction.
@@ -185,7 +183,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states), span, change(max_states) !! time, s; state; s; bounds of its change
         real(dp) :: omega(3)
-        associate (effects => self%effects, inertia => self%body%inertia, r => self%body%centre_of_mass)
+        associate (effects => self%body%effects, inertia => self%body%inertia, r => self%body%centre_of_mass)
             omega = (y(5:7) - (effects%rotor_momentum + effects%rotor_torque * t)) / inertia
             reach%speed = norm2(omega)
             reach%dragged = reach%speed
@@ -202,7 +200,7 @@ contains
         real(dp) :: w(0:instants, 3), v(0:instants, 3), least
         type(loads_t) :: loads
         integer :: i
-        associate (effects => self%effects, r => self%body%centre_of_mass)
+        associate (effects => self%body%effects, r => self%body%centre_of_mass)
             do i = 1, 3
                 w(:, i) = (y(:, 4 + i) - (effects%rotor_momentum(i) + effects%rotor_torque(i) * t)) / self%body%inertia(i)
             end do
@@ -230,7 +228,7 @@ contains
         real(dp), parameter :: still(3) = 0
         resting = y
         if (left > 0) then
-            call find_kinematics(self%body, self%effects, t - left, y(1:4), y(5:7), loads)
+            call find_kinematics(self%body, self%body%effects, t - left, y(1:4), y(5:7), loads)
             resting(1:4) = y(1:4) + quaternion_product(y(1:4), rotation_minus_one(loads%omega * left / 2))
         end if
         resting(5:7) = total_momentum(self%body, t, resting(1:4), still)
@@ -241,7 +239,7 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t, y(max_states) !! time, s, and a state at rest
         type(loads_t) :: loads
-        call find_loads(self%body, self%effects, t, y(1:4), y(5:7), loads)
+        call find_loads(self%body, self%body%effects, t, y(1:4), y(5:7), loads)
         excess = norm2(loads%pull) - loads%dry
         if (loads%sticks) excess = min(excess, 0.0_dp)
     end function excess
@@ -253,15 +251,15 @@ contains
         class(effects_action_t), intent(in) :: self
         real(dp), intent(in) :: t !! time, s
         time = huge(t)
-        if (.not. all(is_zero(self%effects%vibration_amplitude))) then
-            time = 2 * pi / self%effects%vibration_rate / looks_per_period
+        if (.not. all(is_zero(self%body%effects%vibration_amplitude))) then
+            time = 2 * pi / self%body%effects%vibration_rate / looks_per_period
         end if
-        associate (effects => self%effects)
+        associate (effects => self%body%effects)
             if (allocated(effects%harmonic_body)) time = min(time, 2 * pi / effects%harmonic_body%rate / looks_per_period)
             if (allocated(effects%harmonic_space)) time = min(time, 2 * pi / effects%harmonic_space%rate / looks_per_period)
         end associate
         if (.not. self%next_knot(t) < huge(t)) return
-        time = min(time, self%smooth_until(t) - t, self%effects%table%pace(t))
+        time = min(time, self%smooth_until(t) - t, self%body%effects%table%pace(t))
     end function pause
 
 end module spintop_effects_action

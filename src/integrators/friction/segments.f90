@@ -182,76 +182,73 @@ contains
         class(resting_t), intent(inout) :: self
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp) :: t, peak
+        logical :: changed
 
         t = self%t_end
         if (self%formulation%action%may_slip) then
             t = min(t, self%t + self%formulation%action%pause(self%t))
             peak = t
-            if (.not. excess(self%formulation, self%y, t) > 0) peak = highest(self%formulation, self%y, self%t, t)
-            if (excess(self%formulation, self%y, peak) > 0) t = root(self%formulation, self%y, self%t, peak)
+            if (.not. excess(self, t) > 0) peak = highest(self, t)
+            if (excess(self, peak) > 0) t = root(self, peak)
         end if
         if (self%controls%steps > 0) then
             self%grid = self%grid + 1
             t = grid_time(self)
         end if
-        self%t_last = self%t
-        self%y_last = self%y
-        self%y = self%formulation%action%at_rest(t, self%y, 0.0_dp)
-        self%t = t
-        self%counts%steps = self%counts%steps + 1
+        call self%accept_step(t, self%formulation%action%at_rest(t, self%y, 0.0_dp), changed)
         status = status_ok
     end subroutine lie
 
-    !> By how much the torques exceed the friction at a time, N m, with the attitude of a state.
-    real(dp) function excess(formulation, y, time)
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states), time
-        excess = formulation%action%excess(time, formulation%action%at_rest(time, y, 0.0_dp))
+    !> By how much the torques exceed the friction at a time, N m.
+    real(dp) function excess(self, time)
+        class(resting_t), intent(in) :: self
+        real(dp), intent(in) :: time
+        excess = self%formulation%action%excess(time, self%formulation%action%at_rest(time, self%y, 0.0_dp))
     end function excess
 
-    !> The time between two times at which they exceed it most, by golden sections; the later one where a parabola has no peak
-    !> between them that may reach the friction.
-    real(dp) function highest(formulation, y, before, after)
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states), before, after
+    !> The time up to a later one at which they exceed it most, by golden sections; the later one where a parabola has no peak
+    !> before it that may reach the friction.
+    real(dp) function highest(self, after)
+        class(resting_t), intent(in) :: self
+        real(dp), intent(in) :: after
         real(dp), parameter :: golden = 0.61803398874989485_dp, resolved = 1.0e-8_dp
         real(dp) :: low, high, x(2), f(2), ends(2), middle, bend
 
         highest = after
-        ends = [excess(formulation, y, before), excess(formulation, y, after)]
-        middle = excess(formulation, y, before + (after - before) / 2)
+        ends = [excess(self, self%t), excess(self, after)]
+        middle = excess(self, self%t + (after - self%t) / 2)
         bend = 2 * middle - sum(ends)
         if (.not. abs(ends(2) - ends(1)) < 2 * bend .or. middle + bend < 0) return
-        low = before
+        low = self%t
         high = after
         x = [high - golden * (high - low), low + golden * (high - low)]
-        f = [excess(formulation, y, x(1)), excess(formulation, y, x(2))]
-        do while (high - low > resolved * (after - before))
+        f = [excess(self, x(1)), excess(self, x(2))]
+        do while (high - low > resolved * (after - self%t))
             if (f(1) < f(2)) then
                 low = x(1)
                 x = [x(2), low + golden * (high - low)]
-                f = [f(2), excess(formulation, y, x(2))]
+                f = [f(2), excess(self, x(2))]
             else
                 high = x(2)
                 x = [high - golden * (high - low), x(1)]
-                f = [excess(formulation, y, x(1)), f(1)]
+                f = [excess(self, x(1)), f(1)]
             end if
             if (.not. (x(1) > low .and. x(2) < high)) exit
         end do
         highest = x(merge(1, 2, f(1) > f(2)))
     end function highest
 
-    !> The first time at which they exceed it between two times, of which they do at the second, by bisection, just beyond.
-    real(dp) function root(formulation, y, before, after)
-        class(formulation_t), intent(in) :: formulation
-        real(dp), intent(in) :: y(max_states), before, after
+    !> The first time at which they exceed it, up to one at which they do, by bisection, just beyond.
+    real(dp) function root(self, after)
+        class(resting_t), intent(in) :: self
+        real(dp), intent(in) :: after
         real(dp) :: low, middle
-        low = before
+        low = self%t
         root = after
         do
             middle = low + (root - low) / 2
             if (.not. (middle > low .and. middle < root)) exit
-            if (excess(formulation, y, middle) > 0) then
+            if (excess(self, middle) > 0) then
                 root = middle
             else
                 low = middle
@@ -279,21 +276,16 @@ contains
         start = method%formulation%action%turning_at(method%t, method%y)
         self%largest = start%speed
         if (.not. start%speed > 0) call check_rest(self, method%formulation, method%t, method%y)
-        self%lying%formulation => method%formulation
+        call self%lying%start_over(method%formulation, method%t_end)
         self%lying%controls = method%controls
-        self%lying%t_begin = method%t_begin
-        self%lying%t_end = method%t_end
         if (self%is_resting) call go_over(self, by_rest, method, stepper, status)
         if (.not. self%has_series) return
-        self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'))
-        associate (own => self%crossing%controls, given => method%controls)
-            own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, given%relative_tolerance))
-            own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, given%absolute_tolerance))
-            own%max_steps = given%max_steps
-            own%project = given%project
+        self%crossing = dop853_t(table=dop853_table(), info=method_info_t('dop853'), controls=method%controls)
+        associate (own => self%crossing%controls)
+            own%relative_tolerance = max(finest_tolerance, min(crossing_tolerance, own%relative_tolerance))
+            own%absolute_tolerance = max(finest_tolerance, min(crossing_tolerance, own%absolute_tolerance))
         end associate
-        self%crossing%formulation => method%formulation
-        self%crossing%t_begin = method%t_begin
+        call self%crossing%start_over(method%formulation, method%t_end)
         self%crossing%invariants = method%invariants
     end subroutine begin
 
@@ -375,9 +367,7 @@ contains
                 self%steepest = max(self%steepest, (speed(1) - speed(2)) / (method%t - method%t_last))
             else
                 latest = half_way(self, method%formulation, method%t_last, method%y_last)
-                if (latest < method%t) then
-                    call end_step_at(method, latest, method%state_within(latest), status)
-                end if
+                if (latest < method%t) call end_step_at(method, latest, method%state_within(latest), status)
             end if
         end if
         if (is_ok(status) .and. self%has_series .and. .not. self%keeps_direction) then
@@ -418,7 +408,7 @@ contains
         if (stepper%t < method%t_end) call go_over(self, next, method, stepper, status)
     end subroutine end_step
 
-    !> Ends a step by series earlier, at a time and in a state within it.
+    !> Ends a step earlier, at a time and in a state within it.
     subroutine end_step_at(stepper, t, y, status)
         class(stepper_t), intent(inout) :: stepper !! the method, after a step
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
@@ -486,10 +476,8 @@ contains
     !> force, by less from what it was at first.
     pure integer function which_reversed(first, before, now) result(which)
         real(dp), intent(in) :: first(3, directions), before(3, directions), now(3, directions)
-        do which = 1, directions
-            if (has_reversed(which, first, before, now)) return
-        end do
-        which = 0
+        integer :: i
+        which = findloc([(has_reversed(i, first, before, now), i=1, directions)], .true., dim=1)
     end function which_reversed
 
     pure logical function has_reversed(which, first, before, now)
@@ -657,11 +645,8 @@ contains
         class(stepper_t), intent(inout) :: stepper
         real(dp), intent(in) :: t
         integer, intent(out) :: status
-        stepper%t = stepper%t_last
-        stepper%y = stepper%y_last
-        stepper%rest = 0
         stepper%t_end = t
-        call stepper%begin(status)
+        call end_step_at(stepper, stepper%t_last, stepper%y_last, status)
         if (.not. is_ok(status)) return
         stepper%h = t - stepper%t
         call stepper%advance(status)

@@ -81,7 +81,6 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         type(motion_scales_t) :: scales
         real(dp) :: values(5), scale(5)
-        integer :: i
         self%body = body
         self%omega3 = start%omega(3)
         self%a = body%inertia(3) * self%omega3 / body%inertia(1)
@@ -96,11 +95,8 @@ contains
         scale = [1.0_dp, scales%rate, 1.0_dp, scales%rate, 1.0_dp]
         y = 0
         associate (place => places(:, self%kind))
-            do i = 1, size(place)
-                if (place(i) == 0) cycle
-                y(place(i)) = values(i)
-                self%scale(place(i)) = scale(i)
-            end do
+            y(pack(place, place > 0)) = pack(values, place > 0)
+            self%scale(pack(place, place > 0)) = pack(scale, place > 0)
             self%cyclic(place([1, 5])) = .true.
         end associate
         status = merge(status_pole, status_ok, at_pole(start%angle(2)))

@@ -136,23 +136,20 @@ contains
         class(interpolation_t), intent(in) :: self
         real(dp), intent(in) :: values(0:) !! at the places
         real(dp), intent(out) :: b(0:fine), error !! the coefficients; the bound
-        real(dp) :: last(3), largest, total
+        real(dp) :: last(3), largest
         integer :: i
 
         b = 0
         last = 0
-        largest = 0
-        total = 0
         do i = 0, self%degree
             b = b + self%weight(:, i) * values(i)
             last = last + self%last(:, i) * values(i)
-            largest = max(largest, abs(values(i)))
-            total = total + abs(values(i))
         end do
+        largest = maxval(abs(values(:self%degree)))
         b(0) = values(0)
         b(fine) = values(self%degree)
         error = max(abs(last(1)), abs(last(2)), abs(last(3)), least_error * largest)
-        if (total <= huge(1.0_dp)) then
+        if (sum(abs(values(:self%degree))) <= huge(1.0_dp)) then
             if (error > useless * largest) error = max(error, maxval(abs(b)))
         else
             b(1:fine - 1) = no_number

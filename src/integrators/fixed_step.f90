@@ -212,9 +212,7 @@ contains
         call self%step(h, change, status)
         ! Not with is_finite, as in `evaluate`.
         if (is_ok(status) .and. .not. all(abs(change) <= huge(1.0_dp))) status = status_non_finite
-        if (is_ok(status) .and. sloped) then
-            call self%evaluate(t_new, self%y + (change + self%rest), slope, status)
-        end if
+        if (is_ok(status) .and. sloped) call self%evaluate(t_new, self%y + (change + self%rest), slope, status)
         if (status == status_outside) self%counts%rejected = self%counts%rejected + 1
         if (.not. is_ok(status)) return
         call self%accept_change(t_new, change, changed)

@@ -17,16 +17,10 @@ module spintop_measures
     public :: class_tolerance
 
     !> The quantities, in the order of the table below; none; phi and psi are in the order of `angles_at`.
-    enum, bind(C)
-        enumerator :: watch_nothing = 0, watch_phi, watch_psi, watch_turning, watch_theta, watch_omega, watch_vertical
-        enumerator :: watch_centre_height, watch_kinetic_energy, watch_spin_momentum, watch_vertical_momentum
-        enumerator :: watch_potential_energy, watch_energy, watch_precession_rate, watch_nutation_rate, watch_vertical_force
-        enumerator :: watch_total_force
-    end enum
-    public :: watch_nothing, watch_phi, watch_psi, watch_turning, watch_theta, watch_omega, watch_vertical
-    public :: watch_centre_height, watch_kinetic_energy, watch_spin_momentum, watch_vertical_momentum
-    public :: watch_potential_energy, watch_energy, watch_precession_rate, watch_nutation_rate, watch_vertical_force
-    public :: watch_total_force
+    integer, parameter, public :: watch_nothing = 0, watch_phi = 1, watch_psi = 2, watch_turning = 3, watch_theta = 4, &
+        watch_omega = 5, watch_vertical = 6, watch_centre_height = 7, watch_kinetic_energy = 8, watch_spin_momentum = 9, &
+        watch_vertical_momentum = 10, watch_potential_energy = 11, watch_energy = 12, watch_precession_rate = 13, &
+        watch_nutation_rate = 14, watch_vertical_force = 15, watch_total_force = 16
     integer, parameter, public :: watches = watch_total_force
 
     !> A quantity.

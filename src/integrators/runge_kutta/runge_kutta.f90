@@ -66,14 +66,13 @@ module spintop_runge_kutta
         !> Stage i depends on stage 1 and on those from since(i) to i - 1.
         integer :: since(all_stages) = 1
         real(dp) :: b(all_stages) = 0
-        !> Weights of stage i in the sums of a step, column i: b, its rounding error, and `error5` and `error3`.
+        !> Weights of stage i in the sums of a step, column i: b, its rounding error, and b minus the weights of the embedded
+        !> methods of orders 5 and 3.
         real(dp) :: sums(4, all_stages) = 0
         !> Where the stages lie in the step.
         real(dp) :: c(all_stages) = 0
         !> Rounding errors of b, which would accumulate over long times.
         real(dp) :: b_rest(all_stages) = 0
-        !> b minus the weights of the embedded methods.
-        real(dp) :: error5(all_stages) = 0, error3(all_stages) = 0
         !> Dense output: weights of the last four terms. The first four are those of the cubic Hermite
         !> polynomial.
         real(dp) :: dense(all_stages, 4) = 0
@@ -266,14 +265,11 @@ contains
                 if (is_ok(status)) status = status_step_too_small
                 return
             end if
-            if (.not. is_ok(status)) then
-                self%h = h / 2
-            else if (first_trial) then
-                self%h = h * max(0.1_dp, 0.8_dp * (self%controls%relative_tolerance / error)**power)
-            else
-                self%h = h / 2
+            growth = 0.5_dp
+            if (is_ok(status) .and. first_trial) then
+                growth = max(0.1_dp, 0.8_dp * (self%controls%relative_tolerance / error)**power)
             end if
-            self%h = max(self%h, h_smallest)
+            self%h = max(h * growth, h_smallest)
             first_trial = .false.
         end do
         call self%accept_step(t_new, y_new, changed)
@@ -299,6 +295,7 @@ contains
     !> The coefficients of DOP853.
     pure type(dop853_table_t) function dop853_table() result(table)
         real(xp) :: b(all_stages)
+        real(dp), dimension(all_stages) :: error5, error3
         integer :: i
 
         table%a(1, 2) = 0.0526001519587677318785587544488_dp
@@ -352,12 +349,12 @@ contains
         table%c = [0.0_dp, 0.0526001519587677318785587544488_dp, 0.0789002279381515978178381316732_dp, &
             0.118350341907227396726757197510_dp, 0.281649658092772603273242802490_dp, 1.0_dp / 3, 1.0_dp / 4, &
             4.0_dp / 13, 127.0_dp / 195, 3.0_dp / 5, 6.0_dp / 7, 1.0_dp, 1.0_dp, 1.0_dp / 10, 1.0_dp / 5, 7.0_dp / 9]
-        table%error3 = table%b
-        table%error3(1) = table%b(1) - 0.244094488188976377952755905512_dp
-        table%error3(9) = table%b(9) - 0.733846688281611857341361741547_dp
-        table%error3(12) = table%b(12) - 0.0220588235294117647058823529412_dp
-        table%error5(1) = 0.01312004499419488073250102996_dp
-        table%error5(6:12) = [-1.225156446376204440720569753_dp, &
+        error3 = table%b
+        error3([1, 9, 12]) = error3([1, 9, 12]) - [0.244094488188976377952755905512_dp, &
+            0.733846688281611857341361741547_dp, 0.0220588235294117647058823529412_dp]
+        error5 = 0
+        error5(1) = 0.01312004499419488073250102996_dp
+        error5(6:12) = [-1.225156446376204440720569753_dp, &
             -0.4957589496572501915214079952_dp, 1.664377182454986536961530415_dp, &
             -0.350328848749973681688648729_dp, 0.3341791187130174790297318841_dp, &
             0.08192320648511571246570742613_dp, -0.02235530786388629525884427845_dp]
@@ -365,7 +362,7 @@ contains
         do i = 3, all_stages
             table%since(i) = min(1 + findloc(abs(table%a(2:, i)) > 0, .true., dim=1), i - 1)
         end do
-        table%sums = transpose(reshape([table%b, table%b_rest, table%error5, table%error3], [all_stages, 4]))
+        table%sums = transpose(reshape([table%b, table%b_rest, error5, error3], [all_stages, 4]))
     end function dop853_table
 
     !> The stages that are used for dense output only, and its weights.
@@ -427,9 +424,7 @@ contains
         self%last_error = least_error
         call self%set_weight(self%controls%relative_tolerance, self%controls%absolute_tolerance)
         call begin_on_grid(self, status)
-        if (self%controls%steps == 0 .and. is_ok(status)) then
-            self%h = first_step(self)
-        end if
+        if (self%controls%steps == 0 .and. is_ok(status)) self%h = first_step(self)
     end subroutine begin_dop853
 
     !> A step for which Euler's method has an error of about 1% of the state; then, from the curvature found

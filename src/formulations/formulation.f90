@@ -13,7 +13,7 @@ module spintop_formulation
     use spintop_motions, only: instants, motions_t
     implicit none
     private
-    public :: formulation_t, formulation_info_t, max_states, max_series_order, max_invariants, max_aside
+    public :: formulation_t, formulation_info_t, motions_one_by_one, max_states, max_series_order, max_invariants, max_aside
     public :: structure_none, structure_split, structure_group, structure_series, structure_quadruple, structure_names
 
     !> What a method may need beside y' = f(t, y), and a formulation may offer: drift and kick, the two parts of the motion with
@@ -21,8 +21,7 @@ module spintop_formulation
     integer, parameter :: structure_none = 0, structure_split = 1, structure_group = 2, &
         structure_series = 3, structure_quadruple = 4
     character(*), parameter :: structure_names(structure_split:structure_quadruple) = &
-        [character(32) :: 'drift and kick', 'Lie-group motion', 'Taylor series', &
-         'quadruple Taylor series']
+        [character(32) :: 'drift and kick', 'Lie-group motion', 'Taylor series', 'quadruple Taylor series']
     !> Largest number of invariants of any formulation.
     integer, parameter :: max_invariants = 5
 
@@ -96,7 +95,7 @@ module spintop_formulation
         procedure :: kinematics => no_kinematics
         procedure :: motion
         procedure, non_overridable :: motion_without_angles
-        procedure :: find_motions
+        procedure :: find_motions => motions_one_by_one
         procedure, non_overridable :: find_attitude
         procedure, non_overridable :: units
         procedure :: invariants => no_invariants
@@ -106,7 +105,6 @@ module spintop_formulation
         procedure :: expand_quadruple => no_quadruple_series
         procedure :: drift => no_flow
         procedure :: kick => no_flow
-        procedure :: compose
         procedure :: time_left => endless
         procedure :: depart => stay
         procedure :: arrive => arrive_nowhere
@@ -245,7 +243,7 @@ contains
     end function units
 
     !> The motion without angles at several instants, one after another.
-    pure subroutine find_motions(self, t, y, motions)
+    pure subroutine motions_one_by_one(self, t, y, motions)
         class(formulation_t), intent(in) :: self
         real(dp), intent(in) :: t(instants), y(instants, max_states) !! times, s, and states
         type(motions_t), intent(out) :: motions !! the motion at these times
@@ -253,7 +251,7 @@ contains
         do i = 1, instants
             call motions%set_motion(i, self%motion_without_angles(t(i), y(i, :)))
         end do
-    end subroutine find_motions
+    end subroutine motions_one_by_one
 
     !> Invariants (first integrals) of the motion: `info%invariants` values (energy J, momenta J s, squared
     !> norm of a quaternion, ...), which are smooth functions of the state.
@@ -315,23 +313,6 @@ contains
         real(dp), intent(inout) :: change(max_states) !! since the beginning of the step
         change = 0
     end subroutine no_flow
-
-    !> How kicks over `kicks` h and drifts over `drifts` h seconds, in turn and beginning with a kick, change the state.
-    !>
-    !> The change is summed from zero, so that rounding errors are relative to the change and not to the state.
-    pure subroutine compose(self, y, h, kicks, drifts, change)
-        class(formulation_t), intent(in) :: self
-        real(dp), intent(in) :: y(max_states), h !! state, and size of the step, s
-        real(dp), intent(in) :: kicks(0:), drifts(:) !! shares of `h`
-        real(dp), intent(out) :: change(max_states) !! of the state
-        integer :: i
-        change = 0
-        if (abs(kicks(0)) > 0) call self%kick(y, h * kicks(0), change)
-        do i = 1, size(drifts)
-            call self%drift(y, h * drifts(i), change)
-            if (abs(kicks(i)) > 0) call self%kick(y, h * kicks(i), change)
-        end do
-    end subroutine compose
 
     !> Time to the next turning point while theta slows down, s, where the equations end; `huge` where they do not end.
     pure real(dp) function endless(self, y) result(left)

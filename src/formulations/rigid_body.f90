@@ -16,8 +16,8 @@ module spintop_rigid_body
     use spintop_effects, only: effects_t, kernel_effects, series_effects, timeless_effects
     use spintop_euler_poisson, only: momentum_coupling
     use spintop_formulation, only: formulation_info_t, formulation_t, max_aside, max_invariants, max_series_order, &
-        max_states, structure_group, structure_quadruple, structure_series, structure_split
-    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants, share_rest, short_share
+        max_states, motions_one_by_one, structure_group, structure_quadruple, structure_series, structure_split
+    use spintop_kernel_types, only: body_numbers_t, motion_kinds_t, one_constants
     use spintop_loads, only: acceleration, find_kinematics, find_loads, loads_t, torque_series, total_momentum
     use spintop_motion, only: motion_t
     use spintop_motions, only: instants, motions_t, verticals
@@ -69,19 +69,20 @@ module spintop_rigid_body
             real(c_double), intent(inout) :: k(*), aside(*)
         end subroutine c_find_stages
 
-        pure subroutine c_set(body, constants) bind(C, name='spintop_set_one')
-            import :: body_numbers_t, c_double
+        pure subroutine c_set(body, lane, constants) bind(C, name='spintop_one_set')
+            import :: body_numbers_t, c_double, c_int
             type(body_numbers_t), intent(in) :: body
+            integer(c_int), value :: lane
             real(c_double), intent(inout) :: constants(*)
         end subroutine c_set
 
-        pure subroutine c_expand(order, kinds, constants, t, state, table, law, given, share, share_rest, c, exists) &
+        pure subroutine c_expand(order, kinds, constants, t, state, table, law, given, c, exists) &
             bind(C, name='spintop_expand_body')
             import :: c_double, c_int, motion_kinds_t
             integer(c_int), value :: order
             type(motion_kinds_t), intent(in) :: kinds
             real(c_double), value :: t
-            real(c_double), dimension(*), intent(in) :: constants, state, table, law, given, share, share_rest
+            real(c_double), dimension(*), intent(in) :: constants, state, table, law, given
             real(c_double), intent(inout) :: c(*)
             integer(c_int), intent(out) :: exists
         end subroutine c_expand
@@ -138,7 +139,7 @@ contains
         self%has_effects = allocated(body%effects)
         self%attitude = 1
         self%kinds = kinds_of(body)
-        call c_set(numbers_of(body), self%constants)
+        call c_set(numbers_of(body), 0, self%constants)
         y = 0
         y(1:4) = start%quaternion
         y(5:7) = body%inertia * start%omega
@@ -169,7 +170,7 @@ contains
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
         real(dp), parameter :: none(1) = 0
         integer, parameter :: first(1) = 1
-        real(dp) :: gamma(3), w1, w2, w3, unused(max_aside)
+        real(dp) :: gamma(3), w(3), unused(max_aside)
 
         status = status_ok
         if (self%has_effects) then
@@ -188,22 +189,20 @@ contains
             return
         end if
         ! The products are written out: with function calls a step would take twice the time.
+        w = y(5:7) / self%body%inertia
         associate (q0 => y(1), q1 => y(2), q2 => y(3), q3 => y(4), r => self%moment, &
                    d => self%body%damping, s => self%coupling)
-            w1 = y(5) / self%body%inertia(1)
-            w2 = y(6) / self%body%inertia(2)
-            w3 = y(7) / self%body%inertia(3)
             gamma(1) = 2 * (q1 * q3 - q0 * q2)
             gamma(2) = 2 * (q2 * q3 + q0 * q1)
             gamma(3) = (q0**2 + q3**2) - (q1**2 + q2**2)
             gamma = gamma / ((q0**2 + q3**2) + (q1**2 + q2**2))
-            dy(1) = -(q1 * w1 + q2 * w2 + q3 * w3) / 2
-            dy(2) = (q0 * w1 + q2 * w3 - q3 * w2) / 2
-            dy(3) = (q0 * w2 + q3 * w1 - q1 * w3) / 2
-            dy(4) = (q0 * w3 + q1 * w2 - q2 * w1) / 2
-            dy(5) = s(1) * y(6) * y(7) + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w1
-            dy(6) = s(2) * y(7) * y(5) + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w2
-            dy(7) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w3
+            dy(1) = -(q1 * w(1) + q2 * w(2) + q3 * w(3)) / 2
+            dy(2) = (q0 * w(1) + q2 * w(3) - q3 * w(2)) / 2
+            dy(3) = (q0 * w(2) + q3 * w(1) - q1 * w(3)) / 2
+            dy(4) = (q0 * w(3) + q1 * w(2) - q2 * w(1)) / 2
+            dy(5) = s(1) * y(6) * y(7) + gamma(2) * r(3) - gamma(3) * r(2) - d(1) * w(1)
+            dy(6) = s(2) * y(7) * y(5) + gamma(3) * r(1) - gamma(1) * r(3) - d(2) * w(2)
+            dy(7) = s(3) * y(5) * y(6) + gamma(1) * r(2) - gamma(2) * r(1) - d(3) * w(3)
             dy(8) = 0
         end associate
     end subroutine derivative
@@ -244,9 +243,7 @@ contains
         integer :: m
 
         if (self%has_effects) then
-            do m = 1, instants
-                call motions%set_motion(m, self%motion_without_angles(t(m), y(m, :)))
-            end do
+            call motions_one_by_one(self, t, y, motions)
             return
         end if
         inverse = 1 / self%body%inertia
@@ -324,7 +321,7 @@ contains
         integer(c_int) :: exists
         if (self%kinds%table + self%kinds%law > 0) call look_up(self%body, t, y, table, law)
         if (self%kinds%given > 0) given(:, :order) = real(torque_series(self%body%effects, t, order), dp)
-        call c_expand(order, self%kinds, self%constants, t, y, table, law, given, short_share, share_rest, coefficient, exists)
+        call c_expand(order, self%kinds, self%constants, t, y, table, law, given, coefficient, exists)
         if (exists == 0 .or. .not. self%has_series) coefficient(:, 1:order) = no_number
     end subroutine expand
 
@@ -386,9 +383,8 @@ contains
     pure subroutine drift(self, y, h, change)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the state since the beginning of the step, to which the effect is added
-        real(dp) :: turn(4), q0, q1, q2, q3, rest
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step; the effect is added
+        real(dp) :: turn(4), q(4), rest
         integer :: i, j
 
         turn = 0
@@ -401,14 +397,11 @@ contains
             call turn_about(k, -h * self%coupling(j), p, lag, turn)
             if (abs(rest) > 0) call turn_about(j, rest, p, lag, turn)
         end associate
-        q0 = y(1) + change(1)
-        q1 = y(2) + change(2)
-        q2 = y(3) + change(3)
-        q3 = y(4) + change(4)
-        change(1) = change(1) + (q0 * turn(1) - q1 * turn(2) - q2 * turn(3) - q3 * turn(4))
-        change(2) = change(2) + (q0 * turn(2) + q1 * turn(1) + q2 * turn(4) - q3 * turn(3))
-        change(3) = change(3) + (q0 * turn(3) - q1 * turn(4) + q2 * turn(1) + q3 * turn(2))
-        change(4) = change(4) + (q0 * turn(4) + q1 * turn(3) - q2 * turn(2) + q3 * turn(1))
+        q = y(1:4) + change(1:4)
+        change(1) = change(1) + (q(1) * turn(1) - q(2) * turn(2) - q(3) * turn(3) - q(4) * turn(4))
+        change(2) = change(2) + (q(1) * turn(2) + q(2) * turn(1) + q(3) * turn(4) - q(4) * turn(3))
+        change(3) = change(3) + (q(1) * turn(3) - q(2) * turn(4) + q(3) * turn(1) + q(4) * turn(2))
+        change(4) = change(4) + (q(1) * turn(4) + q(2) * turn(3) - q(3) * turn(2) + q(4) * turn(1))
     end subroutine drift
 
     !> The axis after a given one in the order x, y, z, x.
@@ -423,8 +416,7 @@ contains
         integer, intent(in) :: axis
         real(dp), intent(in) :: h, p(3)
         real(dp), intent(inout) :: lag(3), turn(4)
-        real(dp) :: half, sinc, half_sine, half_drop, sine, drop, along, across
-        real(dp) :: t0, ti, tj, tk
+        real(dp) :: half, sinc, half_sine, half_drop, sine, drop, along, across, t(4)
         integer :: i, j
 
         i = next(axis)
@@ -438,21 +430,18 @@ contains
         across = p(j) + lag(j)
         lag(i) = lag(i) + (drop * along + sine * across)
         lag(j) = lag(j) + (drop * across - sine * along)
-        t0 = turn(1)
-        ti = turn(1 + i)
-        tj = turn(1 + j)
-        tk = turn(1 + axis)
-        turn(1) = t0 + (half_drop * t0 - half_sine * tk + half_drop)
-        turn(1 + axis) = tk + (half_drop * tk + half_sine * t0 + half_sine)
-        turn(1 + i) = ti + (half_drop * ti + half_sine * tj)
-        turn(1 + j) = tj + (half_drop * tj - half_sine * ti)
+        t = turn
+        turn(1) = t(1) + (half_drop * t(1) - half_sine * t(1 + axis) + half_drop)
+        turn(1 + axis) = t(1 + axis) + (half_drop * t(1 + axis) + half_sine * t(1) + half_sine)
+        turn(1 + i) = t(1 + i) + (half_drop * t(1 + i) + half_sine * t(1 + j))
+        turn(1 + j) = t(1 + j) + (half_drop * t(1 + j) - half_sine * t(1 + i))
     end subroutine turn_about
 
     !> Continues a rotation by a rotation about the momentum, by 2 `scale` times its magnitude.
     pure subroutine turn_along(scale, p, lag, turn)
         real(dp), intent(in) :: scale, p(3), lag(3)
         real(dp), intent(inout) :: turn(4)
-        real(dp) :: sinc, drop, w1, w2, w3, t0, t1, t2, t3
+        real(dp) :: sinc, drop, w1, w2, w3, t(4)
 
         w1 = scale * (p(1) + lag(1))
         w2 = scale * (p(2) + lag(2))
@@ -461,14 +450,11 @@ contains
         w1 = sinc * w1
         w2 = sinc * w2
         w3 = sinc * w3
-        t0 = turn(1)
-        t1 = turn(2)
-        t2 = turn(3)
-        t3 = turn(4)
-        turn(1) = t0 + (t0 * drop - (t1 * w1 + t2 * w2 + t3 * w3) + drop)
-        turn(2) = t1 + (t1 * drop + (t0 * w1 + t2 * w3 - t3 * w2) + w1)
-        turn(3) = t2 + (t2 * drop + (t0 * w2 + t3 * w1 - t1 * w3) + w2)
-        turn(4) = t3 + (t3 * drop + (t0 * w3 + t1 * w2 - t2 * w1) + w3)
+        t = turn
+        turn(1) = t(1) + (t(1) * drop - (t(2) * w1 + t(3) * w2 + t(4) * w3) + drop)
+        turn(2) = t(2) + (t(2) * drop + (t(1) * w1 + t(3) * w3 - t(4) * w2) + w1)
+        turn(3) = t(3) + (t(3) * drop + (t(1) * w2 + t(4) * w1 - t(2) * w3) + w2)
+        turn(4) = t(4) + (t(4) * drop + (t(1) * w3 + t(2) * w2 - t(3) * w1) + w3)
     end subroutine turn_along
 
     !> Changes the momentum by the torques of gravity, constant at rest, and of damping: Pi' = m g Gamma x
@@ -476,18 +462,14 @@ contains
     pure subroutine kick(self, y, h, change)
         class(rigid_body_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the state since the beginning of the step, to which the effect is added
-        real(dp) :: q0, q1, q2, q3, g1, g2, g3, scale, push(3)
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step; the effect is added
+        real(dp) :: q(4), g1, g2, g3, scale, push(3)
 
-        q0 = y(1) + change(1)
-        q1 = y(2) + change(2)
-        q2 = y(3) + change(3)
-        q3 = y(4) + change(4)
-        scale = h / ((q0**2 + q3**2) + (q1**2 + q2**2))
-        g1 = 2 * (q1 * q3 - q0 * q2)
-        g2 = 2 * (q2 * q3 + q0 * q1)
-        g3 = (q0**2 + q3**2) - (q1**2 + q2**2)
+        q = y(1:4) + change(1:4)
+        scale = h / ((q(1)**2 + q(4)**2) + (q(2)**2 + q(3)**2))
+        g1 = 2 * (q(2) * q(4) - q(1) * q(3))
+        g2 = 2 * (q(3) * q(4) + q(1) * q(2))
+        g3 = (q(1)**2 + q(4)**2) - (q(2)**2 + q(3)**2)
         associate (r => self%moment)
             push(1) = scale * (g2 * r(3) - g3 * r(2))
             push(2) = scale * (g3 * r(1) - g1 * r(3))
@@ -498,9 +480,7 @@ contains
                 push = (push - x * (y(5:7) + change(5:7))) * decay_mean(x)
             end associate
         end if
-        change(5) = change(5) + push(1)
-        change(6) = change(6) + push(2)
-        change(7) = change(7) + push(3)
+        change(5:7) = change(5:7) + push
     end subroutine kick
 
     !> Mean of exp(-s) over s from 0 to x: (1 - exp(-x))/x.

@@ -99,20 +99,18 @@ contains
         real(dp), intent(in) :: t, y(max_states) !! time, s, and state
         real(dp), intent(out) :: dy(max_states) !! rate of the state, y'
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        real(dp) :: w1, w2, w3, pull
+        real(dp) :: w(3), pull
 
         ! The products are written out: with function calls a step would take twice the time.
         associate (p0 => y(3), p1 => y(4), p2 => y(5), p3 => y(6))
-            w1 = y(1) / (2 * self%i1)
-            w2 = y(2) / (2 * self%i1)
-            w3 = self%vertical / (2 * self%i1)
+            w = [y(1:2), self%vertical] / (2 * self%i1)
             pull = 2 * self%mgl / ((p0**2 + p3**2) + (p1**2 + p2**2))
             dy(1) = -pull * (p2 * p3 - p0 * p1)
             dy(2) = pull * (p1 * p3 + p0 * p2)
-            dy(3) = -(w1 * p1 + w2 * p2 + w3 * p3)
-            dy(4) = w1 * p0 + w2 * p3 - w3 * p2
-            dy(5) = w2 * p0 + w3 * p1 - w1 * p3
-            dy(6) = w3 * p0 + w1 * p2 - w2 * p1
+            dy(3) = -(w(1) * p1 + w(2) * p2 + w(3) * p3)
+            dy(4) = w(1) * p0 + w(2) * p3 - w(3) * p2
+            dy(5) = w(2) * p0 + w(3) * p1 - w(1) * p3
+            dy(6) = w(3) * p0 + w(1) * p2 - w(2) * p1
             dy(7:8) = 0
         end associate
         status = status_ok
@@ -156,8 +154,7 @@ contains
     pure subroutine drift(self, y, h, change)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the state since the beginning of the step, to which the effect is added
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step; the effect is added
         real(dp) :: w1, w2, w3, p0, p1, p2, p3, drop, scale, sinc
 
         scale = h / (2 * self%i1)
@@ -179,16 +176,12 @@ contains
     pure subroutine kick(self, y, h, change)
         class(space_frame_t), intent(in) :: self
         real(dp), intent(in) :: y(max_states), h !! state at the beginning of the step, and time, s
-        real(dp), intent(inout) :: change(max_states)
-            !! change of the state since the beginning of the step, to which the effect is added
-        real(dp) :: p0, p1, p2, p3, pull
-        p0 = y(3) + change(3)
-        p1 = y(4) + change(4)
-        p2 = y(5) + change(5)
-        p3 = y(6) + change(6)
-        pull = 2 * h * self%mgl / ((p0**2 + p3**2) + (p1**2 + p2**2))
-        change(1) = change(1) - pull * (p2 * p3 - p0 * p1)
-        change(2) = change(2) + pull * (p1 * p3 + p0 * p2)
+        real(dp), intent(inout) :: change(max_states) !! since the beginning of the step; the effect is added
+        real(dp) :: p(4), pull
+        p = y(3:6) + change(3:6)
+        pull = 2 * h * self%mgl / ((p(1)**2 + p(4)**2) + (p(2)**2 + p(3)**2))
+        change(1) = change(1) - pull * (p(3) * p(4) - p(1) * p(2))
+        change(2) = change(2) + pull * (p(2) * p(4) + p(1) * p(3))
     end subroutine kick
 
     !> Taylor coefficients of the motion, with L in axes that turn about the vertical with L_z/(2 I1).

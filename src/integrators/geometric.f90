@@ -44,8 +44,7 @@ module spintop_geometric
     type :: splitting_table_t
         !> Number of drifts, and of kicks with a nonzero coefficient.
         integer :: stages = 0, kicks = 0
-        real(dp) :: kick(0:max_flows) = 0
-        real(dp) :: drift(max_flows) = 0
+        real(dp) :: kick(0:max_flows) = 0, drift(max_flows) = 0
     end type splitting_table_t
 
     !> Two methods of one order: one for any drift and kick, and one for Nystrom splits.
@@ -247,14 +246,20 @@ contains
         end associate
     end function mirrored
 
-    !> One step of flows.
+    !> One step of flows. The change is summed from zero, so that rounding errors are relative to the change and not to the state.
     subroutine step_by_flows(self, h, change, status)
         class(splitting_t), intent(inout) :: self
         real(dp), intent(in) :: h !! step size, s
         real(dp), intent(out) :: change(max_states) !! change of the state
         integer, intent(out) :: status !! `status_ok`, or the reason of a failure (spintop_status)
-        associate (table => self%table(merge(2, 1, self%formulation%splits_as_nystrom)))
-            call self%formulation%compose(self%y, h, table%kick(:table%stages), table%drift(:table%stages), change)
+        integer :: i
+        change = 0
+        associate (table => self%table(merge(2, 1, self%formulation%splits_as_nystrom)), form => self%formulation)
+            if (abs(table%kick(0)) > 0) call form%kick(self%y, h * table%kick(0), change)
+            do i = 1, table%stages
+                call form%drift(self%y, h * table%drift(i), change)
+                if (abs(table%kick(i)) > 0) call form%kick(self%y, h * table%kick(i), change)
+            end do
             self%counts%evaluations = self%counts%evaluations + table%kicks
         end associate
         status = status_ok

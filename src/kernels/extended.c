@@ -37,20 +37,9 @@ inlined int has_settled(real step, real x, real onward, int *returns) {
 // Highest multiple of 2z in the series, of which the next term is at most 4e-17, and rows of the table of polynomials in cos
 // 2z.
 enum { last = 3, table_rows = 16 };
-enum {
-    upper_even,
-    upper_odd,
-    lower_even,
-    lower_odd,
-    upper_even_slope,
-    upper_odd_slope,
-    lower_even_slope,
-    lower_odd_slope,
-    sn,
-    cn,
-    divisor,
-    divisor_slope
-};
+enum { upper_even, upper_odd, lower_even, lower_odd };
+enum { upper_even_slope = lower_odd + 1, upper_odd_slope, lower_even_slope, lower_odd_slope };
+enum { sn = lower_odd_slope + 1, cn, divisor, divisor_slope };
 
 struct clock {
     real start, rate, period, half_period, per_period, upper_rate, lower_rate, sum_rate, upper_step, lower_step;
@@ -59,11 +48,6 @@ struct clock {
 struct circular_form {
     double upper_least, lower_least, powers[last + 1][table_rows];
 };
-
-void spintop_find_roots(const struct start *start, struct roots *roots);
-void spintop_prepare_circular(const struct start *start, const struct roots *roots, struct clock *clock,
-                              struct circular_form *form);
-real spintop_nome(real k2, real kc);
 
 void spintop_find_roots(const struct start *start, struct roots *roots) {
     truth doubt = 0;

@@ -9,10 +9,10 @@ PROCEDURE(expand_top, (order, top, state, share, share_rest, c), int order, cons
 // series/motion_series.h: the same of any body, whose constants are set first. `table` has the terms of a torque over time in
 // space axes, `law` those of friction by a table towards smaller and larger angular velocities, after the one they are about,
 // `given` all terms of torques over time in body axes.
-PROCEDURE(set_one, (body, constants), const struct body_numbers *body, double *constants)
-PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, share, share_rest, c, exists), int order,
+PROCEDURE(one_set, (body, lane, constants), const struct body_numbers *body, int lane, double *constants)
+PROCEDURE(expand_body, (order, has, constants, t, state, table, law, given, c, exists), int order,
           const struct motion_kinds *has, const double *constants, double t, const double *state, const double *table,
-          const double *law, const double *given, const double *share, const double *share_rest, double *c, int *exists)
+          const double *law, const double *given, double *c, int *exists)
 
 // series_terms.h: a step, whose size is returned, not finite if terms are not: the time at which the larger of the last two
 // terms reaches the admissible error, times `safety`, and `growth` times the last size at most; it is stretched to the end
@@ -49,17 +49,16 @@ FUNCTION(sum_stages, (since, stages, weight, k, y, rest, h, absolute, relative, 
          double *growth)
 
 // lane_series.h: terms of the series of motions in lanes, and of their perturbations.
-PROCEDURE(expand_lanes, (order, b, side, state, share, share_rest, c), int order, const struct lane_body *b, const double *side,
-          const double *state, const double *share, const double *share_rest, double *c)
+PROCEDURE(expand_lanes, (order, b, side, state, c), int order, const struct lane_body *b, const double *side,
+          const double *state, double *c)
 PROCEDURE(carry_tangents, (order, b, c, duration, pace, number, before, after, whole, last), int order,
           const struct lane_body *b, const double *c, const double *duration, const double *pace, int number,
           const double *before, double *after, double *whole, double *last)
 
 // series/motion_series.h: the same with effects, whose constants are set lane by lane.
-PROCEDURE(set_lane, (body, lane, constants), const struct body_numbers *body, int lane, double *constants)
-PROCEDURE(expand_affected_lanes, (order, has, constants, t, side, state, share, share_rest, c, x), int order,
-          const struct motion_kinds *has, const double *constants, const double *t, const double *side, const double *state,
-          const double *share, const double *share_rest, double *c, double *x)
+PROCEDURE(lanes_set, (body, lane, constants), const struct body_numbers *body, int lane, double *constants)
+PROCEDURE(expand_affected_lanes, (order, has, constants, t, side, state, c, x), int order, const struct motion_kinds *has,
+          const double *constants, const double *t, const double *side, const double *state, double *c, double *x)
 
 // lane_products.h: products of series in lanes.
 PROCEDURE(multiply_lanes, (degree, x, y, product), int degree, const double *x, const double *y, double *product)
@@ -74,8 +73,7 @@ PROCEDURE(choose_durations,
           int order, double absolute, double relative, double growth, double safety, double stretch, double shortest,
           int64_t most, const double *c, const double *scale, const double *t, const double *t_end, const int64_t *steps,
           double *h, double *duration, int64_t *trouble)
-PROCEDURE(states_at, (order, c, t, states), int order, const double *c, const double *t, double *states)
-PROCEDURE(rates_at, (order, c, t, rates), int order, const double *c, const double *t, double *rates)
+PROCEDURE(rows_at, (many, order, c, t, states), int many, int order, const double *c, const double *t, double *states)
 PROCEDURE(add_steps, (order, c, duration, t_end, t_last, t, state, rest), int order, const double *c, const double *duration,
           const double *t_end, double *t_last, double *t, double *state, double *rest)
 

@@ -10,7 +10,7 @@ module spintop_kernel_types
     private
     public :: one_constants, lane_constants, numbers, half, set_aside, highest_order, lanes, rows, more_rows, most_drags
     public :: symmetric_top_t, body_numbers_t, motion_kinds_t, lane_body_t, exact_block_t, block_size
-    public :: short_share, share_rest, acceleration_share, acceleration_rest, per_binomial
+    public :: acceleration_share, acceleration_rest, per_binomial
 
     !> Numbers in a state and in a term of a series, room of a vector of three components, what a stage sets aside, and the
     !> highest order of a series.
@@ -83,12 +83,8 @@ module spintop_kernel_types
 
     !> Indices in the tables: no compiler need know a type within a constructor.
     integer :: k, n
-    !> 1/k as a number in single precision and a remainder. A factor that is rounded in the same way in every
-    !> step would make energy and momentum drift. A remainder of a double would be smaller than the rounding
-    !> error of the product, and therefore lost where products and sums are not fused.
-    real(dp), parameter :: short_share(*) = [(real(1 / real(k, sp), dp), k=1, highest_order)]
-    real(dp), parameter :: share_rest(*) = [(real(1 / real(k, qp) - 1 / real(k, sp), dp), k=1, highest_order)]
-    !> The same of 1/((k + 1) (k + 2)), by which coefficient k of a second derivative becomes the next but one of the state.
+    !> 1/((k + 1) (k + 2)), by which coefficient k of a second derivative becomes the next but one of the state, as a number in
+    !> single precision and a remainder (vectors.h).
     real(dp), parameter :: acceleration_share(0:*) = [(real(1 / real((k + 1) * (k + 2), sp), dp), k=0, highest_order)]
     real(dp), parameter :: acceleration_rest(0:*) = &
         [(real(1 / real((k + 1) * (k + 2), qp) - 1 / real((k + 1) * (k + 2), sp), dp), k=0, highest_order)]

@@ -29,7 +29,6 @@ static const struct kernels *builds_at(int level) {
 }
 
 #define PROCEDURE(name, arguments, ...)                     \
-    int spintop_##name##_at_level(int level, __VA_ARGS__);  \
     int spintop_##name##_at_level(int level, __VA_ARGS__) { \
         const struct kernels *const at = builds_at(level);  \
         if (at) at->name arguments;                         \

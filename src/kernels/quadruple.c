@@ -25,6 +25,7 @@ struct share {
     quadruple first, rest;
     int is_sum;
 };
+inlined struct share share_of_term(int is_sum, int k) { return (void)is_sum, (struct share){1 / (quadruple)(k + 1), 0, 0}; }
 
 #include "series/algebra_names.h"
 
@@ -35,14 +36,8 @@ struct share {
 
 void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
                               const void *state, const double *table, const double *law, const void *given, void *c,
-                              int *exists);
-
-void spintop_expand_quadruple(int order, const struct motion_kinds *has, const struct body_numbers *body, double t,
-                              const void *state, const double *table, const double *law, const void *given, void *c,
                               int *exists) {
     struct quadruple_constants e;
-    quadruple share[highest_order], none[highest_order] = {0};
-    for_all(k, highest_order) share[k] = 1 / (quadruple)(k + 1);
-    quadruple_set(body, 0, &e);
-    *exists = quadruple_expand_with(has, 0, order, &e, t, state, table, law, given, share, none, c);
+    quadruple_set(body, 0, (quadruple *)&e);
+    *exists = quadruple_expand_with(has, 0, order, &e, t, state, table, law, given, c);
 }

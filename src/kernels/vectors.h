@@ -55,13 +55,22 @@ inlined half_vector get_half(const double *from) {
 inlined void put_half(double *to, const half_vector *value) { memcpy(to, value, sizeof *value); }
 
 // The share of a term of a series in the one before: 1/(k + 1), or 1/((k + 1) (k + 2)) of a second derivative. A factor that is
-// rounded in the same way in every step makes energy and momentum drift, so it is the sum of two numbers in the first terms.
+// rounded in the same way in every step makes energy and momentum drift, so it is the sum of two numbers in the first terms: of
+// one in single precision and a remainder. A remainder of a double would be smaller than the rounding error of the product, and
+// therefore lost where products and sums are not fused.
 enum { exact_shares = 8 };
 
 struct share {
     double first, rest;
     int is_sum;
 };
+
+#define sum_for(n) {1 / (float)n, (1 - n * (double)(1 / (float)n)) / n}
+static const double exact_share[exact_shares][2] = {sum_for(1), sum_for(2), sum_for(3), sum_for(4),
+                                                    sum_for(5), sum_for(6), sum_for(7), sum_for(8)};
+inlined struct share share_of_term(int is_sum, int k) {
+    return is_sum ? (struct share){exact_share[k][0], exact_share[k][1], 1} : (struct share){1.0 / (k + 1), 0, 0};
+}
 
 // Share k of a table of first numbers and one of rests.
 inlined struct share share_of(const double *share, const double *share_rest, int k) {

@@ -24,15 +24,11 @@
 !> and stays the same for all times.
 module spintop_lane_series
     use, intrinsic :: iso_c_binding, only: c_double, c_int
-    use spintop_body, only: body_t
-    use spintop_body_numbers, only: numbers_of
-    use spintop_kernel_types, only: body_numbers_t, lane_body_t, lane_constants, lanes, more_rows, motion_kinds_t, &
-        rows, share_rest, short_share
-    use spintop_kinds, only: dp
+    use spintop_kernel_types, only: body_numbers_t, lane_body_t, lanes, motion_kinds_t, rows
     implicit none
     private
-    public :: expand, lanes, parts, quotient, numerator, rows, carry_tangents, components
-    public :: lane_effects_t, row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
+    public :: expand, expand_affected, set_effects, lanes, parts, quotient, numerator, rows, carry_tangents, components
+    public :: row_frame, row_torque, row_push, row_drags, rows_of_drag, row_moment
 
     !> Components of a state: omega, Gamma, xi; they are followed by the quotient Q and omega1 Gamma1 + omega2 Gamma2.
     integer, parameter :: parts = 7, quotient = 8, numerator = 9
@@ -43,39 +39,38 @@ module spintop_lane_series
     !> the pivot, drags; of a drag, v = y u is from its row `row_moment` on. kernels.h repeats them.
     integer, parameter :: row_frame = 1, row_torque = 4, row_push = 7, row_drags = 16, rows_of_drag = 9, row_moment = 6
 
-    !> The effects in all lanes.
-    type :: lane_effects_t
-        type(motion_kinds_t) :: kinds
-        real(c_double), private :: constants(lanes, lane_constants) = 0
-    contains
-        procedure :: set_lane
-        procedure :: expand => expand_affected
-    end type lane_effects_t
-
     interface
-        pure subroutine c_expand(order, body, side, state, share, share_rest, c) bind(C, name='spintop_expand_lanes')
+        !> Taylor coefficients of the motions at their states. Those of the quotient obey
+        !> Q_k (1 + s Gamma3_0)/s = n_k - sum over j = 1..k of Gamma3_j Q_(k-j), with n = omega1 Gamma1 + omega2 Gamma2;
+        !> they and n are known up to order - 1, and the next are zero.
+        pure subroutine expand(order, body, side, state, c) bind(C, name='spintop_expand_lanes')
             import :: c_double, c_int, lane_body_t
-            integer(c_int), value :: order
-            type(lane_body_t), intent(in) :: body
-            real(c_double), dimension(*), intent(in) :: side, state, share, share_rest
-            real(c_double), intent(out) :: c(*)
-        end subroutine c_expand
+            integer(c_int), value :: order !! 1 to `max_series_order`
+            type(lane_body_t), intent(in) :: body !! the bodies
+            real(c_double), intent(in) :: side(*), state(*) !! s; (omega, Gamma, xi)
+            real(c_double), intent(out) :: c(*) !! Taylor coefficients (lane, row, term)
+        end subroutine expand
 
-        pure subroutine c_set(body, lane, constants) bind(C, name='spintop_set_lane')
+        !> Sets the constants of a lane for a body with effects.
+        pure subroutine set_effects(body, lane, constants) bind(C, name='spintop_lanes_set')
             import :: body_numbers_t, c_double, c_int
-            type(body_numbers_t), intent(in) :: body
-            integer(c_int), value :: lane
-            real(c_double), intent(inout) :: constants(*)
-        end subroutine c_set
+            type(body_numbers_t), intent(in) :: body !! the body and what acts on it
+            integer(c_int), value :: lane !! index of the lane, from zero on
+            real(c_double), intent(inout) :: constants(*) !! those of all lanes
+        end subroutine set_effects
 
-        pure subroutine c_expand_affected(order, kinds, constants, t, side, state, share, share_rest, c, more) &
+        !> Taylor coefficients of motions with effects, as by `expand`, and the further rows. Where there is no series, as for a
+        !> drag at rest, they are not finite.
+        pure subroutine expand_affected(order, kinds, constants, t, side, state, c, more) &
             bind(C, name='spintop_expand_affected_lanes')
             import :: c_double, c_int, motion_kinds_t
-            integer(c_int), value :: order
-            type(motion_kinds_t), intent(in) :: kinds
-            real(c_double), dimension(*), intent(in) :: constants, t, side, state, share, share_rest
+            integer(c_int), value :: order !! 1 to `max_series_order`
+            type(motion_kinds_t), intent(in) :: kinds !! which effects all bodies have
+            real(c_double), dimension(*), intent(in) :: constants, t, side, state
+                !! constants of the bodies; times, s; sides; (omega, Gamma, xi)
             real(c_double), dimension(*), intent(inout) :: c, more
-        end subroutine c_expand_affected
+                !! Taylor coefficients, and the further rows (lane, row, term)
+        end subroutine expand_affected
 
         !> Propagates perturbations along the motions. `whole` is the sum of the magnitudes of their components, those of
         !> delta in units of `pace`, and `last` the same of the last two terms of their series.
@@ -92,37 +87,5 @@ module spintop_lane_series
             real(c_double), intent(out) :: whole(lanes), last(lanes) !! their size before it, and that of the last two terms
         end subroutine carry_tangents
     end interface
-
-contains
-
-    !> Taylor coefficients of the motions at their states. Those of the quotient obey
-    !> Q_k (1 + s Gamma3_0)/s = n_k - sum over j = 1..k of Gamma3_j Q_(k-j), with n = omega1 Gamma1 + omega2 Gamma2;
-    !> they and n are known up to order - 1, and the next are zero.
-    pure subroutine expand(order, body, side, state, c)
-        integer, intent(in) :: order !! 1 to `max_series_order`
-        type(lane_body_t), intent(in) :: body !! the bodies
-        real(dp), intent(in) :: side(lanes), state(lanes, parts) !! s; (omega, Gamma, xi)
-        real(dp), intent(out) :: c(lanes, rows, 0:order) !! Taylor coefficients (lane, row, term)
-        call c_expand(order, body, side, state, short_share, share_rest, c)
-    end subroutine expand
-
-    !> Sets the constants of a lane for a body with effects.
-    pure subroutine set_lane(self, lane, body)
-        class(lane_effects_t), intent(inout) :: self
-        integer, intent(in) :: lane !! index of the lane
-        type(body_t), intent(in) :: body !! mass properties and effects of the body
-        call c_set(numbers_of(body), lane - 1, self%constants)
-    end subroutine set_lane
-
-    !> Taylor coefficients of the motions at their states, as by `expand`, and the further rows. Where
-    !> there is no series, as for a drag at rest, they are not finite.
-    pure subroutine expand_affected(self, order, t, side, state, c, more)
-        class(lane_effects_t), intent(in) :: self
-        integer, intent(in) :: order !! 1 to `max_series_order`
-        real(dp), intent(in) :: t(lanes), side(lanes), state(lanes, parts) !! times, s; sides; (omega, Gamma, xi)
-        real(dp), intent(inout) :: c(lanes, rows, 0:order), more(lanes, more_rows, 0:order)
-            !! Taylor coefficients, and the further rows (lane, row, term)
-        call c_expand_affected(order, self%kinds, self%constants, t, side, state, short_share, share_rest, c, more)
-    end subroutine expand_affected
 
 end module spintop_lane_series

@@ -87,9 +87,9 @@ contains
         integer :: i, m
         call find_energies(self, run, energy)
         if (allocated(run%effects)) then
-            call add_work(self, run%order, run%effects%kinds, run%power, run%c, run%more)
+            call add_work(self, run%order, run%effects, run%power, run%c, run%more)
             ! The potential energies of the motion of the frame, -O.IO/2 - O.h.
-            do m = 1, merge(3, 0, run%effects%kinds%frame > 0)
+            do m = 1, merge(3, 0, run%effects%frame > 0)
                 frame = sum(run%more(:, row_frame + m - 1, :) * run%power(:, :run%order), dim=2)
                 energy = energy - frame * (self%half_inertia(:, m) * frame + self%rotor(:, m) + run%now%t * self%drive(:, m))
             end do

@@ -8,6 +8,7 @@ module spintop_lane_steps
     use, intrinsic :: iso_c_binding, only: c_double, c_int, c_int64_t
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: nearest_turn
+    use spintop_kernel_types, only: lane_body_t
     use spintop_kinds, only: dp, pi
     use spintop_lane_series, only: lanes, parts, rows
     use spintop_motion, only: passages_t
@@ -15,8 +16,8 @@ module spintop_lane_steps
     use spintop_pole_passages, only: settle_passage, way_t
     implicit none
     private
-    public :: choose_durations, end_before_reversals, add_steps, states_at, step_underflow, non_finite
-    public :: lane_step_t, follow, watch_poles, turns_far, border, largest_turn, sharp
+    public :: choose_durations, end_before_reversals, add_steps, rows_at, step_underflow, non_finite
+    public :: lane_numbers_t, follow, walk, watch_poles, turns_far, border, largest_turn, sharp
 
     !> Reasons for which a lane takes no step: its size underflows or no more steps are allowed; a number is
     !> not finite.
@@ -25,22 +26,28 @@ module spintop_lane_steps
     !> A step is halved so often before a drag reverses, at the most; and once more.
     integer, parameter :: most_halvings = 30
 
-    !> A step of one lane. Its procedures take the Taylor coefficients of the lane.
-    type :: lane_step_t
-        !> Order of the series.
-        integer :: order = 0
-        !> Times at its ends, s; the side; the largest angular velocity, rad/s.
-        real(dp) :: t_last = 0, t = 0, side = 1, rate = 0
-        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; and `bend` of
-        !> `find_circling`, rad/s^2.
-        real(dp) :: reach = 0, in_pole2 = 0, bend = 0
-        !> How far off the motion may be, rad.
-        real(dp) :: error = 0
-        !> So many times in the step may be looked at; the turns are not known where they do not suffice.
-        integer(int64) :: looks = huge(0_int64)
-    contains
-        procedure :: walk
-    end type lane_step_t
+    !> The numbers of the lanes.
+    type, bind(C) :: lane_numbers_t
+        !> Current time, time before the last step, and end of the span, s. A lane at its end stays there.
+        real(c_double), dimension(lanes) :: t = 0, t_last = 0, t_end = 0
+        !> The last step, wanted and taken, s, and the largest angular velocity, rad/s.
+        real(c_double), dimension(lanes) :: h = 0, duration = 0, scale = 1
+        !> The side s; (s phi - psi)/2 to 2e-5, continuous along the motion, rad; -1 where the
+        !> quaternion is the negative of that of the angles.
+        real(c_double), dimension(lanes) :: side = 1, other = 0, sense = 1
+        !> The side in the last step, and the other angle where it began and where it ended.
+        real(c_double), dimension(lanes) :: side_last = 1, other_last = 0, other_then = 0
+        !> Square of the angular velocity, the larger of both ends of the step, rad^2/s^2.
+        real(c_double), dimension(lanes) :: rate = 0
+        !> A bound of what bends the way of the other angle about a pole (`find_circling`), 1/s^2.
+        real(c_double), dimension(lanes) :: bend = 0
+        !> (omega, Gamma, xi) at `t`, and its compensation term (Kahan): the state is state + rest.
+        real(c_double), dimension(lanes, parts) :: state = 0, rest = 0
+        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; how far off the
+        !> motion may be, rad.
+        real(c_double), dimension(lanes) :: reach = 0, in_pole2 = 0, error = 0
+        type(lane_body_t) :: body = lane_body_t()
+    end type lane_numbers_t
 
     !> s Gamma3 at which a lane changes its side: beyond the middle, so that a body near it does not change in
     !> every step, and far from the singularity of xi.
@@ -81,21 +88,13 @@ module spintop_lane_steps
             integer(c_int64_t), intent(inout) :: trouble(*) !! `step_underflow`, `non_finite` or 0
         end subroutine choose_durations
 
-        !> The states at times after the beginning of the step.
-        pure subroutine states_at(order, c, t, states) bind(C, name='spintop_states_at')
+        !> The states at times after the beginning of the step, or the angular velocities alone.
+        pure subroutine rows_at(many, order, c, t, states) bind(C, name='spintop_rows_at')
             import :: c_double, c_int
-            integer(c_int), value :: order !! order of the series
+            integer(c_int), value :: many, order !! `parts` or 3; order of the series
             real(c_double), intent(in) :: c(*), t(*) !! Taylor coefficients (lane, row, term); times, s
-            real(c_double), intent(inout) :: states(*) !! states then (lane, part)
-        end subroutine states_at
-
-        !> The angular velocities then.
-        pure subroutine rates_at(order, c, t, rates) bind(C, name='spintop_rates_at')
-            import :: c_double, c_int
-            integer(c_int), value :: order
-            real(c_double), intent(in) :: c(*), t(*)
-            real(c_double), intent(inout) :: rates(*)
-        end subroutine rates_at
+            real(c_double), intent(inout) :: states(*) !! what they are then (lane, row)
+        end subroutine rows_at
 
         !> Adds to the states their change over the steps. Lanes whose step has no length stay as they are.
         pure subroutine add_steps(order, c, duration, t_end, t_last, t, state, rest) bind(C, name='spintop_add_steps')
@@ -123,8 +122,8 @@ contains
         logical :: turns(lanes), is_halved(lanes)
         integer :: i
 
-        call rates_at(order, c, duration / 2, middle)
-        call rates_at(order, c, duration, last)
+        call rows_at(3, order, c, duration / 2, middle)
+        call rows_at(3, order, c, duration, last)
         reverses = has_cusps .and. (product_of(middle, c(:, 1:3, 0)) < 0 .or. product_of(middle, last) < 0)
         if (.not. any(abs(r) > 0)) return
         is_halved = .false.
@@ -152,7 +151,7 @@ contains
         least = -lost * product_of(w, w) * product_of(r, r)
         turns = .false.
         do k = 1, instants
-            call rates_at(order, c, duration * k / instants, w)
+            call rows_at(3, order, c, duration * k / instants, w)
             v = cross_of(w, r)
             turns = turns .or. product_of(v, before) < least
             before = v
@@ -179,62 +178,62 @@ contains
     !> and where the side is to be changed, `most` its largest value. Where a whole step is too long, it
     !> is looked at in two parts. `rate` is the square of the angular velocity, the larger of both ends, or
     !> of what stands for it where the axis circles about a pole, rad^2/s^2.
-    pure subroutine follow(order, c, duration, side, in_pole2, state, other, rate, bend, doubt, most)
+    pure subroutine follow(order, c, now, doubt, most)
         integer, intent(in) :: order !! order of the series
-        real(dp), intent(in) :: c(lanes, rows, 0:order), duration(lanes), side(lanes), in_pole2(lanes), state(lanes, parts)
-            !! Taylor coefficients; durations, s; sides; squares of the distances from a pole within which a place is in it;
-            !! states at the end of the step
-        real(dp), intent(inout) :: other(lanes) !! the other angles, rad
-        real(dp), intent(out) :: rate(lanes), bend(lanes) !! squares of the angular velocity, rad^2/s^2; as in `find_circling`
+        real(dp), intent(in) :: c(lanes, rows, 0:order) !! Taylor coefficients
+        type(lane_numbers_t), intent(inout) :: now !! the lanes at the end of the step
         integer(int64), intent(out) :: doubt(lanes), most
             !! `changes_side`, `turns_far` or 0, and the largest of these
         real(dp), dimension(lanes) :: change, part, first, second, between, circling, strays
         real(dp) :: middle(lanes, parts), longest, nearest
         integer :: i
 
-        call changes_to(state, other, change)
-        call find_circling(order, c, duration, change, circling, bend, strays)
-        most = 0
-        !$omp simd private(nearest) reduction(max: most)
-        do i = 1, lanes
-            nearest = min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2)
-            rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
-                          state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
-            doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
-            doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
-                             .and. abs(change(i)) <= sharp)
-            ! Positive where the path may pass zero on another side than its chord.
-            strays(i) = merge(duration(i)**2 * strays(i) - (straight - change(i)**2) * sqrt(nearest), 0.0_dp, &
-                            abs(change(i)) <= sharp)
-            strays(i) = merge(1.0_dp, strays(i), nearest <= in_pole2(i))
-            most = max(most, doubt(i))
-        end do
-        if (most >= turns_far) then
-            !$omp simd
+        associate (duration => now%duration, side => now%side, in_pole2 => now%in_pole2, state => now%state, &
+                   other => now%other, rate => now%rate, bend => now%bend)
+            call changes_to(state, other, change)
+            call find_circling(order, c, duration, change, circling, bend, strays)
+            most = 0
+            !$omp simd private(nearest) reduction(max: most)
             do i = 1, lanes
-                part(i) = merge(0.5_dp, closest_to_pole(c(i, 4:5, 0), state(i, 4:5)), abs(change(i)) <= sharp)
+                nearest = min(c(i, 4, 0)**2 + c(i, 5, 0)**2, state(i, 4)**2 + state(i, 5)**2)
+                rate(i) = max(c(i, 1, 0)**2 + c(i, 2, 0)**2 + c(i, 3, 0)**2, &
+                              state(i, 1)**2 + state(i, 2)**2 + state(i, 3)**2, circling(i))
+                doubt(i) = merge(no_reason, changes_side, side(i) * state(i, 6) >= border)
+                doubt(i) = merge(doubt(i), turns_far, duration(i)**2 * rate(i) <= largest_turn**2 &
+                                 .and. abs(change(i)) <= sharp)
+                ! Positive where the path may pass zero on another side than its chord.
+                strays(i) = merge(duration(i)**2 * strays(i) - (straight - change(i)**2) * sqrt(nearest), 0.0_dp, &
+                                abs(change(i)) <= sharp)
+                strays(i) = merge(1.0_dp, strays(i), nearest <= in_pole2(i))
+                most = max(most, doubt(i))
             end do
-            call states_at(order, c, part * duration, middle)
-            call changes_to(middle, other, first)
-            between = other + first
-            call changes_to(state, between, second)
-            !$omp simd private(longest)
+            if (most >= turns_far) then
+                !$omp simd
+                do i = 1, lanes
+                    part(i) = merge(0.5_dp, closest_to_pole(c(i, 4:5, 0), state(i, 4:5)), abs(change(i)) <= sharp)
+                end do
+                call rows_at(parts, order, c, part * duration, middle)
+                call changes_to(middle, other, first)
+                between = other + first
+                call changes_to(state, between, second)
+                !$omp simd private(longest)
+                do i = 1, lanes
+                    longest = max(part(i), 1 - part(i)) * duration(i)
+                    change(i) = merge(change(i), first(i) + second(i), doubt(i) < turns_far)
+                    doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
+                                     doubt(i) < turns_far .or. longest**2 * rate(i) > largest_turn**2 &
+                                     .or. max(abs(first(i)), abs(second(i))) > sharp &
+                                     .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
+                end do
+            end if
+            most = 0
+            !$omp simd reduction(max: most)
             do i = 1, lanes
-                longest = max(part(i), 1 - part(i)) * duration(i)
-                change(i) = merge(change(i), first(i) + second(i), doubt(i) < turns_far)
-                doubt(i) = merge(doubt(i), merge(no_reason, changes_side, side(i) * state(i, 6) >= border), &
-                                 doubt(i) < turns_far .or. longest**2 * rate(i) > largest_turn**2 &
-                                 .or. max(abs(first(i)), abs(second(i))) > sharp &
-                                 .or. middle(i, 4)**2 + middle(i, 5)**2 <= in_pole2(i))
+                doubt(i) = merge(doubt(i), turns_far, strays(i) <= 0)
+                most = max(most, doubt(i))
+                other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
             end do
-        end if
-        most = 0
-        !$omp simd reduction(max: most)
-        do i = 1, lanes
-            doubt(i) = merge(doubt(i), turns_far, strays(i) <= 0)
-            most = max(most, doubt(i))
-            other(i) = other(i) + merge(0.0_dp, change(i), doubt(i) >= turns_far)
-        end do
+        end associate
     end subroutine follow
 
     !> Counts the passages of poles within the errors of the motions, at the ends of steps.
@@ -330,52 +329,55 @@ contains
 
     !> Follows the other angle, and the passages through poles, from a time and place within the step on to a later one, in paces
     !> short enough to resolve the turns of the body, and on which side its axis passes a pole, or that it passes through it.
-    pure recursive subroutine walk(self, c, goal, t, gamma, other, passed)
-        class(lane_step_t), intent(inout) :: self
-        real(dp), intent(in) :: c(rows, 0:self%order), goal !! Taylor coefficients of the lane; time within the step, s
+    pure recursive subroutine walk(now, lane, order, c, goal, looks, t, gamma, other, passed)
+        type(lane_numbers_t), intent(in) :: now !! the lanes
+        integer, intent(in) :: lane, order !! index of the lane; order of its series
+        real(dp), intent(in) :: c(rows, 0:order), goal !! Taylor coefficients of the lane; time within the step, s
+        integer(int64), intent(inout) :: looks !! how often the step may be looked at; without any left the turns are not known
         real(dp), intent(inout) :: t, gamma(2), other !! time, s; (Gamma1, Gamma2) then; the other angle, rad
         type(passages_t), intent(inout) :: passed !! the passages
-        real(dp) :: now(4), new, pace, part, middle
+        real(dp) :: place(4), new, pace, part, middle
         logical :: is_sure
         integer :: k
 
         pace = goal - t
-        if (.not. (pace > 0 .and. self%looks > 0)) return
-        self%looks = self%looks - 1
-        associate (t_last => self%t_last, rate => self%rate)
-            now = 0
-            do k = self%order, 0, -1
-                now = now * (goal - t_last) + c(4:parts, k)
+        if (.not. (pace > 0 .and. looks > 0)) return
+        looks = looks - 1
+        associate (t_last => now%t_last(lane), rate => sqrt(now%rate(lane)))
+            place = 0
+            do k = order, 0, -1
+                place = place * (goal - t_last) + c(4:parts, k)
             end do
             new = other
-            if (any(abs(now(1:2)) > 0)) new = nearest_turn(now(4) / 2 - atan2(now(1), now(2)), other)
-            is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp &
-                      .and. pace**2 * self%bend <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(now(1:2)**2)))
+            if (any(abs(place(1:2)) > 0)) new = nearest_turn(place(4) / 2 - atan2(place(1), place(2)), other)
+            is_sure = pace * rate <= largest_turn .and. abs(new - other) <= sharp .and. pace**2 * now%bend(lane) &
+                      <= (straight - (new - other)**2) * sqrt(min(sum(gamma**2), sum(place(1:2)**2)))
             if (pace * rate <= largest_turn .and. (passed%arrived .or. .not. is_sure &
-                                                   .or. sum(now(1:2)**2) <= self%in_pole2)) then
-                call pass(self, c, t, goal, other, passed, new, is_sure)
+                                                   .or. sum(place(1:2)**2) <= now%in_pole2(lane))) then
+                call pass(now, lane, order, c, t, goal, other, passed, new, is_sure)
             end if
-            if (is_sure .or. pace <= max(shortest_pace * (self%t - t_last), 2 * spacing(goal))) then
+            if (is_sure .or. pace <= max(shortest_pace * (now%t(lane) - t_last), 2 * spacing(goal))) then
                 t = goal
-                gamma = now(1:2)
+                gamma = place(1:2)
                 other = new
-                call passed%watch(sum(gamma**2), self%error)
+                call passed%watch(sum(gamma**2), now%error(lane))
             else
                 part = 0.5_dp
-                if (pace * rate <= largest_turn .and. .not. passed%arrived) part = closest_to_pole(gamma, now(1:2))
+                if (pace * rate <= largest_turn .and. .not. passed%arrived) part = closest_to_pole(gamma, place(1:2))
                 middle = t + part * pace
                 ! Late in the motion a small part of the pace is less than the spacing of the time.
                 if (.not. (middle > t .and. middle < goal)) middle = t + pace / 2
-                call self%walk(c, middle, t, gamma, other, passed)
-                call self%walk(c, goal, t, gamma, other, passed)
+                call walk(now, lane, order, c, middle, looks, t, gamma, other, passed)
+                call walk(now, lane, order, c, goal, looks, t, gamma, other, passed)
             end if
         end associate
     end subroutine walk
 
     !> Continues the other angle through a pole, if the axis passes through it or is in it.
-    pure subroutine pass(self, c, t, goal, other, passed, new, is_sure)
-        class(lane_step_t), intent(in) :: self
-        real(dp), intent(in) :: c(rows, 0:self%order)
+    pure subroutine pass(now, lane, order, c, t, goal, other, passed, new, is_sure)
+        type(lane_numbers_t), intent(in) :: now
+        integer, intent(in) :: lane, order
+        real(dp), intent(in) :: c(rows, 0:order)
         real(dp), intent(in) :: t, goal, other !! times within the last step, s; the other angle at the first, rad
         type(passages_t), intent(inout) :: passed
         real(dp), intent(inout) :: new !! the other angle at the goal, rad
@@ -384,11 +386,11 @@ contains
         real(dp) :: xi_here, xi_there, phi
         logical :: had_arrived, is_decided
         had_arrived = passed%arrived
-        call way(self, c, t, here, xi_here)
-        call way(self, c, goal, there, xi_there)
-        associate (side => self%side)
+        call way(now, lane, order, c, t, here, xi_here)
+        call way(now, lane, order, c, goal, there, xi_there)
+        associate (side => now%side_last(lane))
             phi = side * (xi_here / 2 + other)
-            call settle_passage(here, there, goal - t, self%reach, passed, phi, is_decided)
+            call settle_passage(here, there, goal - t, now%reach(lane), passed, phi, is_decided)
             if (is_decided) new = side * phi - xi_there / 2
         end associate
         is_sure = is_decided .or. (is_sure .and. .not. had_arrived)
@@ -396,9 +398,10 @@ contains
 
     !> The way of body z at a time within the last step, and xi there. With z = Gamma2 + i Gamma1 and s = 1 its place is
     !> exp(i xi) conj(z), with s = -1 the conjugate of that.
-    pure subroutine way(self, c, t, there, xi)
-        class(lane_step_t), intent(in) :: self
-        real(dp), intent(in) :: c(rows, 0:self%order)
+    pure subroutine way(now, lane, order, c, t, there, xi)
+        type(lane_numbers_t), intent(in) :: now
+        integer, intent(in) :: lane, order
+        real(dp), intent(in) :: c(rows, 0:order)
         real(dp), intent(in) :: t !! time within the last step, s
         type(way_t), intent(out) :: there
         real(dp), intent(out) :: xi !! the angle that completes the attitude then, rad
@@ -406,10 +409,10 @@ contains
         complex(dp) :: z(0:2), turn, spin
         integer :: k
         x = 0
-        do k = self%order, 0, -1
-            x(:, 2) = x(:, 2) * (t - self%t_last) + x(:, 1)
-            x(:, 1) = x(:, 1) * (t - self%t_last) + x(:, 0)
-            x(:, 0) = x(:, 0) * (t - self%t_last) + c(4:parts, k)
+        do k = order, 0, -1
+            x(:, 2) = x(:, 2) * (t - now%t_last(lane)) + x(:, 1)
+            x(:, 1) = x(:, 1) * (t - now%t_last(lane)) + x(:, 0)
+            x(:, 0) = x(:, 0) * (t - now%t_last(lane)) + c(4:parts, k)
         end do
         x(:, 2) = 2 * x(:, 2)
         xi = x(4, 0)
@@ -420,7 +423,7 @@ contains
         there%velocity = turn * (z(1) + spin * z(0))
         there%acceleration = turn * (z(2) + 2 * spin * z(1) + (spin**2 + cmplx(0.0_dp, x(4, 2), dp)) * z(0))
         there%is_up = x(3, 0) > 0
-        if (self%side > 0) return
+        if (now%side_last(lane) > 0) return
         there%place = conjg(there%place)
         there%velocity = conjg(there%velocity)
         there%acceleration = conjg(there%acceleration)

@@ -14,7 +14,7 @@ module spintop_lane_watch
     use spintop_kernel_types, only: lane_body_t, per_binomial
     use spintop_kinds, only: dp, cross, pi, is_finite
     use spintop_lane_series, only: numerator, parts, rows
-    use spintop_lane_steps, only: states_at
+    use spintop_lane_steps, only: rows_at
     use spintop_measures, only: lower, measures_t, upper, watch_centre_height, watch_energy, watch_kinetic_energy, &
         watch_nothing, watch_nutation_rate, watch_omega, watch_phi, watch_potential_energy, watch_precession_rate, watch_psi, &
         watch_spin_momentum, watch_theta, watch_total_force, watch_turning, watch_vertical, watch_vertical_force, &
@@ -220,8 +220,8 @@ contains
             return
         end if
         ! A root is one of noise if since the one before, or before that one, the polynomial was within the noise of the method.
-        call evaluate(degree, a, (last + u) / 2, before)
-        call evaluate(degree, a, (u + 1) / 2, behind)
+        before = values_at(degree, a, (last + u) / 2)
+        behind = values_at(degree, a, (u + 1) / 2)
         !$omp simd private(is_root, is_near)
         do i = 1, lanes
             is_root = abs(slope(i)) > 0
@@ -235,25 +235,17 @@ contains
         if (self%action == count_turns) call count_roots(self, run, u, slope, is_noise)
     end subroutine act
 
-    !> Values of the polynomials: even and odd powers side by side.
-    pure subroutine evaluate(degree, a, u, x)
+    !> Values of the polynomials.
+    pure function values_at(degree, a, u) result(x)
         integer, intent(in) :: degree
         real(dp), intent(in) :: a(lanes, 0:max_series_order), u(lanes)
-        real(dp), intent(out) :: x(lanes)
-        real(dp) :: odd(lanes)
-        integer :: i, k
-        x = 0
-        odd = 0
-        if (mod(degree, 2) == 0) x = a(:, degree)
-        do k = degree - 1 - mod(degree + 1, 2), 0, -2
-            !$omp simd
-            do i = 1, lanes
-                x(i) = x(i) * u(i)**2 + a(i, k)
-                odd(i) = odd(i) * u(i)**2 + a(i, k + 1)
-            end do
+        real(dp) :: x(lanes)
+        integer :: k
+        x = a(:, degree)
+        do k = degree - 1, 0, -1
+            x = x * u + a(:, k)
         end do
-        x = x + u * odd
-    end subroutine evaluate
+    end function values_at
 
     !> Counts passages, and ends the lanes that have enough.
     subroutine pass(self, run, u, slope, is_noise)
@@ -309,7 +301,7 @@ contains
         integer :: i
         h = run%now%t - run%now%t_last
         t = u * h
-        call states_at(run%order, run%c, t, x)
+        call rows_at(parts, run%order, run%c, t, x)
         call keep(self, run, x, slope, abs(slope) > 0)
         if (self%of%quantity /= watch_precession_rate) return
         ! Near a pole the terms that the series leave out are large beside the distance. There the rate is largest where body z is
@@ -322,7 +314,7 @@ contains
             t(i) = min(max(t(i), 0.0_dp), h(i))
         end do
         if (.not. any(is_near)) return
-        call states_at(run%order, run%c, t, x)
+        call rows_at(parts, run%order, run%c, t, x)
         call keep(self, run, x, slope, is_near)
     end subroutine keep_roots
 
@@ -351,7 +343,7 @@ contains
         integer :: i
 
         h = u * (run%now%t - run%now%t_last)
-        call states_at(run%order, run%c, h, x)
+        call rows_at(parts, run%order, run%c, h, x)
         do i = 1, lanes
             if (.not. abs(slope(i)) > 0) cycle
             call run%find_angles(i, h(i), x(i, 4:), angles, passed)

@@ -12,11 +12,11 @@
 !> numbers for each lane, and at the end of a case stores its result in the measures of that. The numbers of a lane do not
 !> depend on the other lanes.
 module spintop_taylor_lanes
-    use, intrinsic :: iso_c_binding, only: c_double, c_f_pointer, c_intptr_t, c_loc
+    use, intrinsic :: iso_c_binding, only: c_f_pointer, c_intptr_t, c_loc
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: nearest_turn, vertical_from_quaternion
     use spintop_body, only: body_t
-    use spintop_body_numbers, only: kinds_of
+    use spintop_body_numbers, only: kinds_of, numbers_of
     use spintop_caller, only: stop_is_wanted
     use spintop_kinds, only: dp, qp, pi, is_finite
     use spintop_event, only: margin, noise_of_tolerance, rounding_distance
@@ -24,10 +24,10 @@ module spintop_taylor_lanes
     use spintop_euler_poisson, only: euler_poisson_rate
     use spintop_formulation, only: max_series_order
     use spintop_integration, only: outcome_t
-    use spintop_kernel_types, only: lane_body_t, more_rows, motion_kinds_t
-    use spintop_lane_series, only: expand, lane_effects_t, lanes, parts, rows
-    use spintop_lane_steps, only: add_steps, border, choose_durations, end_before_reversals, follow, lane_step_t, largest_turn, &
-        non_finite, sharp, turns_far, watch_poles
+    use spintop_kernel_types, only: lane_body_t, lane_constants, more_rows, motion_kinds_t
+    use spintop_lane_series, only: expand, expand_affected, lanes, parts, rows, set_effects
+    use spintop_lane_steps, only: add_steps, border, choose_durations, end_before_reversals, follow, lane_numbers_t, &
+        largest_turn, non_finite, sharp, turns_far, walk, watch_poles
     use spintop_measures, only: measures_t
     use spintop_methods, only: controls_status
     use spintop_motion, only: motion_from_quaternion, motion_t, passages_t
@@ -41,33 +41,13 @@ module spintop_taylor_lanes
     use spintop_validity, only: body_status, motion_status
     implicit none
     private
-    public :: taylor_lanes_t, lane_numbers_t, lanes, lane_order, lane_monitor_t, monitor_slot_t, integrate_many, set_body
+    public :: taylor_lanes_t, lanes, lane_order, lane_monitor_t, monitor_slot_t, integrate_many, set_body
 
     !> By how much of the tolerance a motion is off within some steps: measured.
     real(dp), parameter :: share_of_tolerance = 0.004_dp
 
     !> Numbers per cache line.
     integer, parameter :: line = 8
-
-    !> The numbers of the lanes.
-    type, bind(C) :: lane_numbers_t
-        !> Current time, time before the last step, and end of the span, s. A lane at its end stays there.
-        real(c_double), dimension(lanes) :: t = 0, t_last = 0, t_end = 0
-        !> The last step, wanted and taken, s, and the largest angular velocity, rad/s.
-        real(c_double), dimension(lanes) :: h = 0, duration = 0, scale = 1
-        !> The side s; (s phi - psi)/2 to 2e-5, continuous along the motion, rad; -1 where the
-        !> quaternion is the negative of that of the angles.
-        real(c_double), dimension(lanes) :: side = 1, other = 0, sense = 1
-        !> The side in the last step, and the other angle where it began and where it ended.
-        real(c_double), dimension(lanes) :: side_last = 1, other_last = 0, other_then = 0
-        !> Square of the angular velocity, the larger of both ends of the step, rad^2/s^2.
-        real(c_double), dimension(lanes) :: rate = 0
-        !> A bound of what bends the way of the other angle about a pole (`find_circling`), 1/s^2.
-        real(c_double), dimension(lanes) :: bend = 0
-        !> (omega, Gamma, xi) at `t`, and its compensation term (Kahan): the state is state + rest.
-        real(c_double), dimension(lanes, parts) :: state = 0, rest = 0
-        type(lane_body_t) :: body = lane_body_t()
-    end type lane_numbers_t
 
     !> The lanes: `set`, `load` some, then `advance` all and examine `now` and `status`.
     type :: taylor_lanes_t
@@ -77,9 +57,10 @@ module spintop_taylor_lanes
         !> half as long again.
         type(lane_numbers_t), pointer :: now => null()
         real(dp), pointer, contiguous :: c(:, :, :) => null()
-        !> The effects on the bodies, if there are any, and the coefficients of their rows, likewise.
-        type(lane_effects_t), allocatable :: effects
+        !> Which effects there are on the bodies, if any, and the coefficients of their rows, likewise; the constants of the lanes.
+        type(motion_kinds_t), allocatable :: effects
         real(dp), pointer, contiguous :: more(:, :, :) => null()
+        real(dp), private :: constants(lanes, lane_constants) = 0
         !> Powers of the length of the last step, s, for what looks at its polynomials over the step as the unit interval,
         !> where no power of the terms overflows: see `find_powers`.
         real(dp) :: power(lanes, 0:max_series_order) = 1
@@ -90,9 +71,8 @@ module spintop_taylor_lanes
         real(dp) :: method_noise = rounding_distance
         !> The passages through poles so far, and before the last step.
         type(passages_t) :: passed(lanes) = passages_t(), passed_last(lanes) = passages_t()
-        !> How far off a pole is passed through, rad; the square of the distance at which a place is in a pole; what a step adds to
-        !> the error of a motion, rad, at the most, 0 of one that passes through poles.
-        real(dp), private :: reach(lanes) = 0, in_pole2(lanes) = 0, error_of_step(lanes) = 0
+        !> What a step adds to the error of a motion, rad, at the most, 0 of one that passes through poles.
+        real(dp), private :: error_of_step(lanes) = 0
         !> Whether there is a drag on a lane that changes its direction with that of the angular velocity at once.
         logical, private :: has_cusps(lanes) = .false.
         !> The centre of mass of a body on which a drag force acts, m; otherwise 0.
@@ -165,10 +145,10 @@ module spintop_taylor_lanes
 contains
 
     !> Makes all lanes empty. A copy of the lanes is to be set again.
-    subroutine set(self, controls, kinds)
+    subroutine set(self, controls, body)
         class(taylor_lanes_t), target, intent(inout) :: self
         type(controls_t), intent(in) :: controls !! tolerances and maximum number of steps
-        type(motion_kinds_t), intent(in), optional :: kinds !! which effects all bodies have; without it they have none
+        type(body_t), intent(in), optional :: body !! one with the effects that all have; without it there are none
         type(lane_numbers_t) :: empty
         integer, parameter :: bits = storage_size(1.0_dp), numbers = storage_size(empty) / bits
         integer(c_intptr_t) :: address
@@ -180,11 +160,10 @@ contains
         terms = lanes * rows * (self%order + 1)
         others = 0
         if (allocated(self%effects)) deallocate (self%effects)
-        if (present(kinds)) then
-            allocate (self%effects)
-            self%effects%kinds = kinds
-            others = lanes * more_rows * (self%order + 1)
+        if (present(body)) then
+            if (allocated(body%effects)) self%effects = kinds_of(body)
         end if
+        if (allocated(self%effects)) others = lanes * more_rows * (self%order + 1)
         if (allocated(self%room)) deallocate (self%room)
         allocate (self%room(terms + others + numbers + line), source=0.0_dp)
         address = transfer(c_loc(self%room(1)), address)
@@ -233,15 +212,15 @@ contains
             call set_body(now%body, lane, body)
         end associate
         if (allocated(self%effects)) then
-            call self%effects%set_lane(lane, body)
+            call set_effects(numbers_of(body), lane - 1, self%constants)
             self%has_cusps(lane) = body%effects%has_cusps()
             self%dragged(lane, :) = 0
             if (body%effects%drag_force > 0) self%dragged(lane, :) = body%centre_of_mass
         end if
         self%passed(lane) = passages_t()
         reach = reach_of(body, start)
-        self%reach(lane) = reach(1)
-        self%in_pole2(lane) = (in_pole * reach(1))**2
+        self%now%reach(lane) = reach(1)
+        self%now%in_pole2(lane) = (in_pole * reach(1))**2
         self%error_of_step(lane) = merge(margin * self%method_noise, 0.0_dp, reach(1) <= through_pole)
         self%steps(lane) = 0
         self%status(lane) = status_ok
@@ -271,7 +250,7 @@ contains
 
         associate (now => self%now, c => self%c)
             if (allocated(self%effects)) then
-                call self%effects%expand(self%order, now%t, now%side, now%state, c, self%more)
+                call expand_affected(self%order, self%effects, self%constants, now%t, now%side, now%state, c, self%more)
             else
                 call expand(self%order, now%body, now%side, now%state, c)
             end if
@@ -289,11 +268,11 @@ contains
             if (worst > 0) call end_lanes(self, trouble)
             call add_steps(self%order, c, now%duration, now%t_end, now%t_last, now%t, now%state, now%rest)
             self%steps = self%steps + merge(1, 0, now%duration > 0)
+            now%error = self%error_of_step * self%steps
             now%side_last = now%side
             now%other_last = now%other
             self%passed_last = self%passed
-            call follow(self%order, c, now%duration, now%side, self%in_pole2, now%state, now%other, now%rate, now%bend, &
-                        doubt, worst)
+            call follow(self%order, c, now, doubt, worst)
             now%other_then = now%other
             do lane = 1, merge(0, lanes, worst == 0)
                 if (doubt(lane) >= turns_far) then
@@ -307,7 +286,7 @@ contains
                 end if
                 if (now%side(lane) * now%state(lane, 6) < border) call change_side(self, lane)
             end do
-            call watch_poles(self%error_of_step * self%steps, now%state, self%passed)
+            call watch_poles(now%error, now%state, self%passed)
         end associate
     end subroutine advance
 
@@ -368,19 +347,16 @@ contains
         real(dp), intent(out) :: other !! the other angle, (s phi - psi)/2, rad
         type(passages_t), intent(out) :: passed !! the passages
         logical, intent(out), optional :: is_known !! whether the turns of the step could be followed
-        type(lane_step_t) :: step
-        real(dp) :: from, gamma(2)
-        associate (now => self%now)
-            from = now%t_last(lane)
-            gamma = self%c(lane, 4:5, 0)
-            other = now%other_last(lane)
-            passed = self%passed_last(lane)
-            step = lane_step_t(self%order, from, now%t(lane), now%side_last(lane), sqrt(now%rate(lane)), &
-                               self%reach(lane), self%in_pole2(lane), now%bend(lane), self%error_of_step(lane) * self%steps(lane), &
-                               looks_per_step * self%controls%max_steps)
-        end associate
-        call step%walk(self%c(lane, :, :), t, from, gamma, other, passed)
-        if (present(is_known)) is_known = step%looks > 0
+        integer(int64) :: looks
+        real(dp) :: from, gamma(2), angle
+        from = self%now%t_last(lane)
+        gamma = self%c(lane, 4:5, 0)
+        angle = self%now%other_last(lane)
+        passed = self%passed_last(lane)
+        looks = looks_per_step * self%controls%max_steps
+        call walk(self%now, lane, self%order, self%c(lane, :, :), t, looks, from, gamma, angle, passed)
+        other = angle
+        if (present(is_known)) is_known = looks > 0
     end subroutine find_other_angle
 
     !> phi and psi in a lane at a time h after the beginning of the last step, with all their turns, and the passages through poles
@@ -397,7 +373,7 @@ contains
         integer :: i
 
         passed = self%passed(lane)
-        is_known = sum(place(1:2)**2) > self%in_pole2(lane) .and. .not. (passed%arrived .or. self%passed_last(lane)%arrived &
+        is_known = sum(place(1:2)**2) > self%now%in_pole2(lane) .and. .not. (passed%arrived .or. self%passed_last(lane)%arrived &
             .or. any(passed%odd .neqv. self%passed_last(lane)%odd))
         associate (now => self%now)
             near = [now%other_last(lane), now%other_then(lane)]
@@ -449,15 +425,13 @@ contains
         !> 2 pi, and what its rounding left.
         real(dp), parameter :: turn = 2 * pi, turn_rest = real(6.283185307179586476925286766559005768_qp - turn, dp)
         real(dp) :: precise, turns
-        associate (now => self%now)
-            associate (s => now%side(lane), xi => now%state(lane, 7), other => now%other(lane))
-                precise = xi / 2 - atan2(now%state(lane, 4), now%state(lane, 5))
-                turns = anint((other - precise) * (1 / turn))
-                precise = precise + turns * turn + turns * turn_rest
-                other = -xi / 2
-                xi = -2 * precise
-                s = -s
-            end associate
+        associate (now => self%now, s => self%now%side(lane), xi => self%now%state(lane, 7), other => self%now%other(lane))
+            precise = xi / 2 - atan2(now%state(lane, 4), now%state(lane, 5))
+            turns = anint((other - precise) * (1 / turn))
+            precise = precise + turns * turn + turns * turn_rest
+            other = -xi / 2
+            xi = -2 * precise
+            s = -s
             now%rest(lane, 7) = 0
         end associate
     end subroutine change_side
@@ -468,17 +442,14 @@ contains
         integer, intent(in) :: lane !! index of the lane
         real(dp) :: q(4), near(3), along, half(2)
 
-        associate (now => self%now)
-            associate (gamma => now%state(lane, 4:6), s => now%side(lane), xi => now%state(lane, 7))
-                ! The two halves of the quaternion: that of xi, and the other, turned by psi from it.
-                along = sqrt((1 + s * gamma(3)) / 2)
-                half = [cos(xi / 2), sin(xi / 2)]
-                q([1, 4]) = along * [half(1), s * half(2)]
-                q([2, 3]) = [half(1) * gamma(2) + half(2) * gamma(1), &
-                             s * (half(2) * gamma(2) - half(1) * gamma(1))] / (2 * along)
-                if (s < 0) q = q([2, 1, 4, 3])
-                near = [s * (xi / 2 + now%other(lane)), 0.0_dp, xi / 2 - now%other(lane)]
-            end associate
+        associate (now => self%now, gamma => self%now%state(lane, 4:6), s => self%now%side(lane), xi => self%now%state(lane, 7))
+            ! The two halves of the quaternion: that of xi, and the other, turned by psi from it.
+            along = sqrt((1 + s * gamma(3)) / 2)
+            half = [cos(xi / 2), sin(xi / 2)]
+            q([1, 4]) = along * [half(1), s * half(2)]
+            q([2, 3]) = [half(1) * gamma(2) + half(2) * gamma(1), s * (half(2) * gamma(2) - half(1) * gamma(1))] / (2 * along)
+            if (s < 0) q = q([2, 1, 4, 3])
+            near = [s * (xi / 2 + now%other(lane)), 0.0_dp, xi / 2 - now%other(lane)]
             q = now%sense(lane) * q / norm2(q)
             motion = motion_from_quaternion(now%t(lane), q, now%state(lane, 1:3), near)
             motion%passed = self%passed(lane)
@@ -565,11 +536,7 @@ contains
         type(taylor_lanes_t), target :: run
         integer :: case_in(lanes), number, next, lane, i
 
-        if (allocated(bodies(cases(1))%effects)) then
-            call run%set(controls, kinds_of(bodies(cases(1))))
-        else
-            call run%set(controls)
-        end if
+        call run%set(controls, bodies(cases(1)))
         number = 0
         if (present(monitors)) number = size(monitors)
         case_in = 0

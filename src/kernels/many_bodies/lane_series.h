@@ -86,11 +86,11 @@ inlined void append_term(int k, int lane, const struct lane_body *b, vector inve
     put(next, angle, scaled(v3 + q, s));
 }
 
-static void expand_lanes(int order, const struct lane_body *b, const double *side, const double *state, const double *share,
-                         const double *share_rest, double *c) {
-    const int few = order < exact_shares ? order : exact_shares;
+static void expand_lanes(int order, const struct lane_body *b, const double *side, const double *state, double *c) {
+    const int ends[] = {order < exact_shares ? order : exact_shares, order};
     const vector none = {0};
     double inverse[lanes];
+    int k = 0;
 
     for (int lane = 0; lane < lanes; lane += width) {
         const vector s = get(side + lane, 0);
@@ -100,13 +100,11 @@ static void expand_lanes(int order, const struct lane_body *b, const double *sid
         put(c + term * order + lane, numerator, none);
     }
     // Vectors of lanes in turn: one is computed while another waits for its last term.
-    for (int k = 0; k < few; ++k) {
-        const struct share s = {share[k], share_rest[k], 1};
-        for (int lane = 0; lane < lanes; lane += width) append_term(k, lane, b, get(inverse + lane, 0), s, c + lane);
-    }
-    for (int k = few; k < order; ++k) {
-        const struct share s = {share[k] + share_rest[k], 0, 0};
-        for (int lane = 0; lane < lanes; lane += width) append_term(k, lane, b, get(inverse + lane, 0), s, c + lane);
+    for_all(part, 2) {
+        for (; k < ends[part]; ++k) {
+            const struct share s = share_of_term(part == 0, k);
+            for (int lane = 0; lane < lanes; lane += width) append_term(k, lane, b, get(inverse + lane, 0), s, c + lane);
+        }
     }
 }
 

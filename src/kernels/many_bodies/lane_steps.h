@@ -45,7 +45,7 @@ inlined void sum_rows(int many, int order, const double *c, vector time, vector 
     }
 }
 
-inlined void rows_at(int many, int order, const double *c, const double *t, double *states) {
+inlined void so_many_rows_at(int many, int order, const double *c, const double *t, double *states) {
     for (int lane = 0; lane < lanes; lane += width) {
         const vector time = load(t + lane);
         vector x[angle + 1];
@@ -54,9 +54,10 @@ inlined void rows_at(int many, int order, const double *c, const double *t, doub
     }
 }
 
-// The states at times after the beginning of the step, or the angular velocities alone.
-static void states_at(int order, const double *c, const double *t, double *states) { rows_at(angle + 1, order, c, t, states); }
-static void rates_at(int order, const double *c, const double *t, double *rates) { rows_at(w3 + 1, order, c, t, rates); }
+static void rows_at(int many, int order, const double *c, const double *t, double *states) {
+    if (many > w3 + 1) so_many_rows_at(angle + 1, order, c, t, states);
+    else so_many_rows_at(w3 + 1, order, c, t, states);
+}
 
 // Adds to the states their change over the steps, summed with compensation (Kahan, Comm. ACM 8, 1965). Lanes whose step has no
 // length stay as they are.

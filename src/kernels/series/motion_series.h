@@ -80,36 +80,16 @@ enum { NAME(w) = 0, NAME(g) = room, NAME(attitude) = 2 * room, NAME(rows) = 2 * 
 // Further rows: those that turn, in body axes first the rotation of the frame, the torque in space and the acceleration of the
 // pivot; the angular velocity with that of the frame; drags: u, s, k s, y, v; what vibrates along the vertical, and its
 // partner.
-enum {
-    NAME(total) = most_turned * room,
-    NAME(drags) = NAME(total) + room,
-    NAME(u) = 0,
-    NAME(s) = room,
-    NAME(t),
-    NAME(y),
-    NAME(v) = room + components,
-    NAME(of_drag) = 2 * room + components,
-    NAME(swing) = NAME(drags) + most_drags * NAME(of_drag),
-    NAME(friction) = NAME(swing) + components
-};
+enum { NAME(total) = most_turned * room, NAME(drags) = NAME(total) + room };
+enum { NAME(u) = 0, NAME(s) = room, NAME(t), NAME(y), NAME(v) = room + components, NAME(of_drag) = 2 * room + components };
+enum { NAME(swing) = NAME(drags) + most_drags * NAME(of_drag), NAME(friction) = NAME(swing) + components };
 // Friction by a table: the change of the angular velocity about its axis, its square, and the law; dry friction: the square
 // of the smoothed speed, and the inverse speed; the height, what N is made of, N; direction, force without load, lever.
-enum {
-    NAME(change) = NAME(friction),
-    NAME(change_square),
-    NAME(law),
-    NAME(smooth) = NAME(law) + 4,
-    NAME(radicand) = NAME(smooth) + 2,
-    NAME(height) = NAME(radicand) + 2,
-    NAME(along),
-    NAME(forces),
-    NAME(rest),
-    NAME(load),
-    NAME(direction) = NAME(friction) + 16,
-    NAME(force) = NAME(direction) + room,
-    NAME(lever) = NAME(force) + room,
-    NAME(more) = is_many ? NAME(friction) : NAME(lever) + room
-};
+enum { NAME(change) = NAME(friction), NAME(change_square), NAME(law), NAME(smooth) = NAME(law) + 4 };
+enum { NAME(radicand) = NAME(smooth) + 2, NAME(height) = NAME(radicand) + 2 };
+enum { NAME(along) = NAME(height) + 1, NAME(forces), NAME(rest), NAME(load) };
+enum { NAME(direction) = NAME(friction) + 16, NAME(force) = NAME(direction) + room, NAME(lever) = NAME(force) + room };
+enum { NAME(more) = is_many ? NAME(friction) : NAME(lever) + room };
 
 // Constants of a body, or of one in each lane.
 #define constant_vec(name) name[components * stride]
@@ -490,7 +470,8 @@ inlined void NAME(append)(const struct motion_kinds *has, int joins, int k, int 
 }
 
 // Sets the constants of a body, or of the one in a lane.
-static void NAME(set)(const struct body_numbers *b, int lane, struct NAME(constants) * e) {
+static void NAME(set)(const struct body_numbers *b, int lane, element *constants) {
+    struct NAME(constants) *const e = (struct NAME(constants) *)constants;
     const int is_linear = !(b->drag_exponent < 1 || b->drag_exponent > 1);
     const element r[3] = {b->centre[0], b->centre[1], b->centre[2]};
     for (int m = 0; m < 3; ++m) {
@@ -564,11 +545,8 @@ inlined void NAME(begin)(const struct motion_kinds *has, int lane, const struct 
     }
     if (!is_many || n > 0) find_axes(state, side, axes);
     if (is_many) axes[2] = load_vec(at(NAME(g), 0));
-    if (has->push) NAME(find_swings)(of_pivot, lane, e, t, o, swings[of_pivot][0], swings[of_pivot][1]);
-    for_all(i, 2) {
-        if (!(has->harmonic & (i + 1))) continue;
-        NAME(find_swings)
-        (of_harmonic_in_space + i, lane, e, t, o, swings[of_harmonic_in_space + i][0], swings[of_harmonic_in_space + i][1]);
+    for_all(i, rates) {
+        if (i == of_pivot ? has->push : has->harmonic & i) NAME(find_swings)(i, lane, e, t, o, swings[i][0], swings[i][1]);
     }
     if (has->push == along) {
         for_all(i, 2) store_num(more_at(NAME(swing) + i, 0), swings[of_pivot][i][2]);
@@ -576,13 +554,10 @@ inlined void NAME(begin)(const struct motion_kinds *has, int lane, const struct 
     int term = 0, factor = 1;
     for_all(r, n) {
         num v[3] = {none, none, none};
-        if (row[r].place == of_frame) {
-            for_all(i, 3) v[i] = o[i];
-        } else if (row[r].place == of_torque) {
-            for_all(i, 3) v[i] = number(torque_space[i]);
+        if (row[r].place == of_frame || row[r].place == of_torque) {
+            for_all(i, 3) v[i] = row[r].place == of_frame ? o[i] : number(torque_space[i]);
         } else if (row[r].rate < rates) {
-            const int partner = row[r].partner < 0;
-            for_all(i, 3) v[i] = swings[row[r].rate][partner][i];
+            for_all(i, 3) v[i] = swings[row[r].rate][row[r].partner < 0][i];
         } else {
             // Term j of a polynomial is the j-th derivative over j!.
             for_all(i, 3) v[i] = none + factor * table[3 * term + i];
@@ -621,18 +596,15 @@ inlined void NAME(begin)(const struct motion_kinds *has, int lane, const struct 
 // All terms up to the order; those from `behind` on are found in turn, so that one is computed while another waits for its
 // last.
 inlined void NAME(expand)(const struct motion_kinds *has, int joins, int order, const struct NAME(constants) * e,
-                          struct NAME(start) * of, const element *share, const element *share_rest, element *c, element *x,
-                          element *state) {
-    const int few = order < exact_shares ? order : exact_shares;
-    for (int k = 0; k < few; ++k) {
-        const struct share s = {share[k], share_rest[k], 1};
-        for (int lane = 0; lane < stride; lane += at_once)
-            NAME(append)(has, joins, k, lane, e, of, s, c + lane, x + lane, state);
-    }
-    for (int k = few; k < order; ++k) {
-        const struct share s = {share[k] + share_rest[k], 0, 0};
-        for (int lane = 0; lane < stride; lane += at_once)
-            NAME(append)(has, joins, k, lane, e, of, s, c + lane, x + lane, state);
+                          struct NAME(start) * of, element *c, element *x, element *state) {
+    const int ends[] = {order < exact_shares ? order : exact_shares, order};
+    int k = 0;
+    for_all(part, 2) {
+        for (; k < ends[part]; ++k) {
+            const struct share s = share_of_term(part == 0, k);
+            for (int lane = 0; lane < stride; lane += at_once)
+                NAME(append)(has, joins, k, lane, e, of, s, c + lane, x + lane, state);
+        }
     }
 }
 
@@ -642,8 +614,7 @@ inlined void NAME(expand)(const struct motion_kinds *has, int joins, int order, 
 // one.
 
 inlined int NAME(expand_with)(const struct motion_kinds *has, int joins, int order, const struct NAME(constants) * e, num t,
-                              const element *state, const double *table, const double *law, const element *given,
-                              const element *share, const element *share_rest, element *c) {
+                              const element *state, const double *table, const double *law, const element *given, element *c) {
     element terms[NAME(rows) * most_terms] __attribute__((aligned(64))),
         more[NAME(more) * most_terms] __attribute__((aligned(64)));
     struct NAME(start) of;
@@ -652,7 +623,7 @@ inlined int NAME(expand_with)(const struct motion_kinds *has, int joins, int ord
     of.given = given;
     for_all(i, 10) of.law[i / 5][i % 5] = has->law ? law[i] : 0;
     NAME(begin)(has, 0, e, t, 0, state, table, &of, terms, more);
-    NAME(expand)(has, joins, order, e, &of, share, share_rest, terms, more, c);
+    NAME(expand)(has, joins, order, e, &of, terms, more, c);
     for (int d = 0; d < most_drags; ++d) {
         const element b = e->drag[d].power[0];
         if (!(has->drags & (d + 1)) || of.per_square[d][0] > 0 || !(b < 1 || b > 1)) continue;

@@ -10,13 +10,10 @@
 #endif
 #include "motion_series.h"
 
-static void set_one(const struct body_numbers *body, double *constants) { one_set(body, 0, (struct one_constants *)constants); }
-
 static void expand_body(int order, const struct motion_kinds *which, const double *constants, double t, const double *state,
-                        const double *table, const double *law, const double *given, const double *share,
-                        const double *share_rest, double *c, int *exists) {
+                        const double *table, const double *law, const double *given, double *c, int *exists) {
     const struct one_constants *const e = (const struct one_constants *)constants;
-#define expand_as(has, joins) *exists = one_expand_with(has, joins, order, e, t, state, table, law, given, share, share_rest, c)
+#define expand_as(has, joins) *exists = one_expand_with(has, joins, order, e, t, state, table, law, given, c)
     for_single_effects(build_kinds);
     expand_as(which, 0);
 #undef expand_as
@@ -31,13 +28,8 @@ static void expand_body(int order, const struct motion_kinds *which, const doubl
 
 _Static_assert((int)lanes_rows == (int)rows && (int)lanes_more == (int)more_rows, "the rows are those of kernels.h");
 
-static void set_lane(const struct body_numbers *body, int lane, double *constants) {
-    lanes_set(body, lane, (struct lanes_constants *)constants);
-}
-
 inlined void lanes_expand_with(const struct motion_kinds *has, int joins, int order, const struct lanes_constants *e,
-                               const double *t, const double *side, const double *state, const double *share,
-                               const double *share_rest, double *c, double *x) {
+                               const double *t, const double *side, const double *state, double *c, double *x) {
     struct lanes_start of;
     const vector none = {0};
     for (int lane = 0; lane < lanes; lane += width) {
@@ -46,14 +38,13 @@ inlined void lanes_expand_with(const struct motion_kinds *has, int joins, int or
         lanes_store_num(c + term * order + lane + lanes * numerator, none);
         lanes_begin(has, lane, e, load(t + lane), load(side + lane), c + lane, 0, &of, c + lane, x + lane);
     }
-    lanes_expand(has, joins, order, e, &of, share, share_rest, c, x, 0);
+    lanes_expand(has, joins, order, e, &of, c, x, 0);
 }
 
 static void expand_affected_lanes(int order, const struct motion_kinds *which, const double *constants, const double *t,
-                                  const double *side, const double *state, const double *share, const double *share_rest,
-                                  double *c, double *x) {
+                                  const double *side, const double *state, double *c, double *x) {
     const struct lanes_constants *const e = (const struct lanes_constants *)constants;
-#define expand_as(has, joins) lanes_expand_with(has, joins, order, e, t, side, state, share, share_rest, c, x)
+#define expand_as(has, joins) lanes_expand_with(has, joins, order, e, t, side, state, c, x)
     for_single_effects(build_kinds);
     // The others have no place in lanes.
     const struct motion_kinds any = {

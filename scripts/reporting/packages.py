@@ -132,13 +132,20 @@ def fetch(address: str) -> bytes:
         raise PackageError(f"the npm registry ({host}) gave no {address}: {reason}") from error
 
 
+def is_plain(member: tarfile.TarInfo) -> bool:
+    """Whether it is a file or a folder below the place where it is unpacked."""
+    path = Path(member.name)
+    return (member.isfile() or member.isdir()) and not path.is_absolute() and ".." not in path.parts
+
+
 def unpack(data: bytes, folder: Path, integrity: str) -> None:
     """Put the files of a package into its folder, which is complete or not there."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=folder.parent) as scratch:
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-            inside = [member for member in archive if ".." not in Path(member.name).parts]
-            archive.extractall(scratch, inside, filter="data")
+            # Python 3.11.2, that of Debian 12, has no filters: it gets what they let through.
+            archive.extraction_filter = getattr(tarfile, "data_filter", None)
+            archive.extractall(scratch, [member for member in archive if is_plain(member)])
         [fresh] = Path(scratch).iterdir()  # named as the packer liked it
         (fresh / ".integrity").write_text(integrity, encoding="ascii")
         if folder.exists():

@@ -591,6 +591,9 @@ class PackageTest(ReportCase):
                 facts.size, facts.mode = len(text), mode
                 tar.addfile(facts, io.BytesIO(text))
             tar.addfile(tarfile.TarInfo("package/../../outside.js"))
+            link = tarfile.TarInfo("package/link.js")
+            link.type, link.linkname = tarfile.SYMTYPE, "/etc/hostname"
+            tar.addfile(link)
         place = self.folder / "@scope" / "three" / "-" / "three-1.2.3.tgz"
         place.parent.mkdir(parents=True)
         place.write_bytes(archive.getvalue())
@@ -632,6 +635,17 @@ class PackageTest(ReportCase):
             packages.need("@scope/three")
         self.assertTrue((folder / "three.js").is_file())
         self.assertEqual([path.name for path in folder.parent.iterdir()], ["three"])
+
+    def test_python_without_filters(self) -> None:
+        """That of Debian 12 unpacks files all the same, and nothing else."""
+        unpack = tarfile.TarFile.extractall
+
+        def extractall(archive: tarfile.TarFile, path: str, members: list) -> None:
+            unpack(archive, path, members)
+
+        self.enterContext(unittest.mock.patch.object(tarfile, "data_filter", None))
+        self.enterContext(unittest.mock.patch.object(tarfile.TarFile, "extractall", extractall))
+        self.test_fetched_once()
 
     def test_settings(self) -> None:
         """The environment counts more than the project, the project more than the user."""

@@ -285,6 +285,8 @@ def test_an_angle_is_replaced_in_any_unit(spin, given, name, value):
     override = spin(start + mass, f"initial.{name}={value}")
     for rows in (run.rows, again.rows, table.rows, override.rows):
         assert rows.theta_min[0] == pytest.approx(value if value < 1 else np.radians(value))
+    twice = start.replace(given, "theta = 1  theta_deg = 2")
+    assert "the angle is given twice" in spin.refuse(twice + mass)
 
 
 TWO = "initial.theta,top.mass\n0.5,1\n"

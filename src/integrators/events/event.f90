@@ -14,15 +14,13 @@ module spintop_event
     use, intrinsic :: iso_fortran_env, only: int64
     use spintop_attitude, only: quaternion_product
     use spintop_body, only: body_t
+    use spintop_runge_kutta, only: dop853_table, dop853_table_t, main_stages
     use spintop_effects, only: timeless_effects
     use spintop_kinds, only: dp, pi, is_finite
     use spintop_loads, only: works
     use spintop_motion, only: motion_from_quaternion, motion_t
     use spintop_motions, only: instants, motions_t
-    use spintop_rigid_body, only: rigid_body_t
-    use spintop_runge_kutta, only: dop853_t, dop853_table
-    use spintop_status, only: is_ok
-    use spintop_stepper, only: controls_t
+    use spintop_quantities, only: angular_acceleration
     implicit none
     private
     public :: event_t, event_quantities_t, occasion_none, occasion_stuck, occasion_slip, occasion_knot, path_t
@@ -117,7 +115,12 @@ contains
         class(event_quantities_t), intent(inout) :: self
         type(motions_t), intent(in) :: motions !! the motion at several instants
         real(dp), intent(out) :: values(:, :) !! a column for each event
-        values = 0
+        real(dp) :: one(size(values, 2))
+        integer :: i
+        do i = 1, instants
+            call self%quantities(motions%motion(i), one)
+            values(i, :) = one
+        end do
     end subroutine quantities_of_several
 
     !> The motion, without angles, at several instants. By default one after the other.
@@ -154,33 +157,24 @@ contains
         type(body_t), intent(in) :: body !! mass properties about the fixed point
         type(motion_t), intent(in) :: start !! the motion at the start
         logical, intent(out) :: is_constant(:) !! one for each event
-        type(rigid_body_t), allocatable, target :: equations
-        type(dop853_t), allocatable :: run
+        type(dop853_table_t) :: table
         type(motion_t) :: motion
         real(dp), dimension(size(is_constant)) :: values, distance, noise
-        real(dp) :: fall, pace
-        integer :: i, status
+        real(dp) :: fall, h
+        integer :: i
 
         fall = greatest_fall_rate(body)
         is_constant = search%events%occasion == occasion_none .and. .not. search%events%turn_by_turn
-        pace = largest_rate(body, start)
+        h = largest_rate(body, start)
         motion = start
         do i = 0, steps
             if (i == 1) then
                 if (changes_later(body)) is_constant = .false.
-                if (.not. (pace > 0 .and. is_finite(pace) .and. any(is_constant))) return
-                allocate (equations)
-                run = dop853_t(table=dop853_table(), controls=controls_t(steps=steps))
-                call run%start_over(equations, steps * (turn_of_step / pace))
-                call equations%prepare(body, start, run%y, status)
-                call run%begin(status)
+                if (.not. (h > 0 .and. is_finite(h) .and. any(is_constant))) return
+                h = turn_of_step / h
+                table = dop853_table()
             end if
-            if (i > 0) then
-                call run%advance(status)
-                if (.not. is_ok(status)) is_constant = .false.
-                motion = equations%motion(run%t, run%y, motion%angle)
-                motion%given_angle = start%given_angle
-            end if
+            if (i > 0) call step(table, body, h, motion)
             call search%quantities(motion, values)
             distance = abs(values - search%events%level)
             where (search%events%every_turn)
@@ -214,6 +208,35 @@ contains
         rate = rate + norm2(body%effects%frame_rate) + norm2(body%effects%rotor_momentum / body%inertia)
         if (any(abs(body%effects%vibration_amplitude) > 0)) rate = rate + abs(body%effects%vibration_rate)
     end function largest_rate
+
+    !> One step of the motion, h in s.
+    subroutine step(table, body, h, motion)
+        type(dop853_table_t), intent(in) :: table
+        type(body_t), intent(in) :: body
+        real(dp), intent(in) :: h
+        type(motion_t), intent(inout) :: motion
+        type(motion_t) :: stage
+        real(dp) :: k(7, main_stages), y(7), given(3)
+        integer :: i
+
+        do i = 1, main_stages
+            y = 0
+            if (i > 1) y = h * matmul(k(:, :i - 1), table%a(:i - 1, i))
+            stage = motion
+            stage%t = motion%t + table%c(i) * h
+            stage%quaternion = motion%quaternion + y(:4)
+            stage%omega = motion%omega + y(5:)
+            k(:4, i) = quaternion_product(stage%quaternion, [0.0_dp, stage%omega]) / 2
+            stage%quaternion = stage%quaternion / norm2(stage%quaternion)
+            k(5:, i) = angular_acceleration(body, stage)
+        end do
+        y = h * matmul(k, table%b(:main_stages))
+        y(:4) = motion%quaternion + y(:4)
+        given = motion%given_angle
+        motion = motion_from_quaternion(motion%t + h, y(:4) / norm2(y(:4)), motion%omega + y(5:), motion%angle)
+        motion%given_angle = given
+        motion%omega_rate = angular_acceleration(body, motion)
+    end subroutine step
 
     !> What quantities change by between a motion and its neighbours: their rounding errors.
     subroutine find_noise(search, fall, motion, noise)
